@@ -5,7 +5,7 @@ use std::error::Error;
 use iwan::core::{FourParameter, Pulse};
 use iwan::sim::{JointLaw, Method, Mode, Representation, Response, Settings, simulate};
 
-/// Mean frequency, Hz, between the first and the last upward zero crossing from `from` to `to` seconds.
+/// Mean frequency, Hz, between the first and the last upward zero crossing in the time range from `from` to `to`, s.
 fn frequency(response: &Response, from: f64, to: f64) -> f64 {
     let q = &response.displacement;
     let range = (from / response.dt) as usize..(to / response.dt) as usize;
@@ -23,7 +23,7 @@ pub(crate) fn main() -> Result<(), Box<dyn Error>> {
     let mode = Mode::new("bending 1", 125.0, Some(JointLaw::FourParameter(joint)));
     let blow = Pulse::Haversine { amplitude: 1000.0, duration: 1.6e-3 };
 
-    // Plain average acceleration on the exact continuum; `Settings::new` alone takes prewarped steps on 100 sliders.
+    // Plain average acceleration on the exact continuum; `Settings::new` alone would take prewarped steps on 100 sliders.
     let method = Method::Newmark { beta: 0.25, gamma: 0.5, prewarp: false, joint: Representation::Continuum };
     let response = simulate(&mode, &blow, &Settings { method, ..Settings::new(1e-5, 0.2) })?;
 

@@ -1,4 +1,4 @@
-//! A record to the parameters of its joint, with 95 % intervals and a verdict.
+//! From a record to the parameters of its joint, with 95 % intervals and a verdict.
 
 use std::error::Error;
 
@@ -12,7 +12,7 @@ use iwan::io::Record;
 const TRUTH: Parameters =
     Parameters { frequency: 124.0, damping_ratio: 2.5e-4, k_t: 4.45e4, f_s: 239.4, chi: -0.183, beta: 0.3 };
 
-/// A record as from a test: acceleration at 5 kHz after release at 1.5 φ_max, noise 40 dB below it.
+/// A synthetic record: acceleration sampled at 5 kHz after a release at 1.5 φ_max, with noise 40 dB below the signal.
 fn record() -> Result<Record, Box<dyn Error>> {
     let (oscillator, joint) = TRUTH.model()?;
     let mut out: [Vec<f64>; 4] = std::array::from_fn(|_| vec![0.0; 1500]);
@@ -27,14 +27,14 @@ fn record() -> Result<Record, Box<dyn Error>> {
         state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         (state >> 11) as f64 / (1_u64 << 53) as f64
     };
-    // Twelve uniform numbers less their mean are normal enough.
+    // The sum of twelve uniform numbers minus its mean, 6, is normal enough.
     let noisy = clean.iter().map(|x| x + noise * ((0..12).map(|_| uniform()).sum::<f64>() - 6.0));
     Ok(Record::new(2e-4, vec![noisy.collect()], vec!["tip".into()])?)
 }
 
 #[expect(clippy::print_stdout, reason = "an example shows its result")]
 pub(crate) fn main() -> Result<(), Box<dyn Error>> {
-    // One's own: `iwan::io::read("hammer.mat", &iwan::io::ReadOptions::default())?`.
+    // A record of your own: `iwan::io::read("hammer.mat", &iwan::io::ReadOptions::default())?`.
     let record = record()?;
     let mode = ModeRecord { samples: record.channel(0), dt: record.dt(), quantity: Quantity::Acceleration };
     let found = identify(&[mode], &Settings::default())?;
@@ -43,13 +43,13 @@ pub(crate) fn main() -> Result<(), Box<dyn Error>> {
     for profile in &found.profiles.parameters {
         let (low, high) = (end(profile.low), end(profile.high));
         println!("{:13} {:.4e}  [{low}, {high}]", profile.parameter.name(), profile.value);
-        // The noise has a fixed seed: these intervals hold the truth.
+        // The noise has a fixed seed; with it the intervals contain the true values.
         let truth = TRUTH.get(profile.parameter);
         assert!(profile.low.is_none_or(|low| low <= truth) && profile.high.is_none_or(|high| truth <= high));
     }
     println!("{}", found.verdict.misfit);
     assert!(found.verdict.adequate);
-    // At 40 dB and 0.3 s F_S is told to some 6 %; this noise moves it by 1.4 %.
+    // At 40 dB and 0.3 s of record F_S is determined to some 6 %; this noise moves it by 1.4 %.
     assert!((found.parameters.f_s / TRUTH.f_s - 1.0).abs() < 0.02);
     Ok(())
 }

@@ -9,7 +9,7 @@ use iwan::core::{Decay, FourParameter, Motion, Oscillator, ResidualStiffness, Re
 pub(crate) fn main() -> Result<(), Box<dyn Error>> {
     let joint = FourParameter::new(4.45e4, 239.4, -0.183, 0.3)?;
     let mode = Oscillator::new(124.0, 0.0, joint.k_t(), ResidualStiffness::Positive)?;
-    // Pulled to 0.1 φ_max and let go; the memory holds one reversal per half cycle.
+    // The mode is pulled to 0.1 φ_max and released; the joint's memory needs one reversal per half cycle.
     let start = 0.1 * joint.phi_max();
     let mut decay = Decay::new(&mode, &joint, 0.0, Motion::held_at(start), vec![Reversal::default(); 2100])?;
 

@@ -1,4 +1,4 @@
-//! A joint law of one's own is one `impl Backbone`: here the virgin curve is a quarter of a sine.
+//! A new joint law is one `impl Backbone`: here the virgin curve is a quarter of a sine.
 
 use std::error::Error;
 use std::f64::consts::FRAC_PI_2;
@@ -28,7 +28,7 @@ impl Backbone for Sine {
         let beyond = (u.abs() - self.strengths().1).max(0.0);
         self.f_s * (self.f_s / self.k_t * (1.0 - self.angle(u).cos()) + beyond)
     }
-    // Without a Dirac, ∫ρ = K_T - K(φ) and ∫ρφ = F(φ) - φ K(φ).
+    // Without a Dirac part, ∫ρ dφ = K_T - K(φ) and ∫ρφ dφ = F(φ) - φ K(φ), both from 0 to φ.
     fn stiffness_below(&self, phi: f64) -> f64 { self.k_t - self.tangent(phi) }
     fn force_below(&self, phi: f64) -> f64 { self.force(phi) - phi * self.tangent(phi) }
     fn is_smooth(&self) -> bool { true }
@@ -40,7 +40,7 @@ pub(crate) fn main() -> Result<(), Box<dyn Error>> {
     let mode = Oscillator::new(124.0, 1e-3, law.k_t, ResidualStiffness::Positive)?;
     let start = Motion::held_at(0.8 * law.strengths().1);
 
-    // The law cut into sliders is a law itself: a check that force, density and energy belong together.
+    // The law discretised into sliders is a law itself; the comparison checks that force, density and energy are consistent.
     let mut table = vec![Slider::default(); Sliders::table_len(2000)];
     let sliders = Sliders::discretise(&law, Grid::Uniform, 2000, &mut table)?;
     let mut exact = Decay::new(&mode, &law, 0.0, start, [Reversal::default(); 64])?;

@@ -87,7 +87,7 @@ pub mod book {
     /// ```
     pub mod examples {}
 
-    /// Virgin curve and loops, loss per cycle, two ring-downs: mode 1 of the paper's Table 2.
+    /// Virgin curve and loops, dissipation per cycle, and two ring-downs, all of mode 1 of the paper's Table 2.
     ///
     #[doc = include_str!("../book/src/img/loops.svg")]
     ///

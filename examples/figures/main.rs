@@ -1,4 +1,4 @@
-//! The figures of the book, as SVG, into the folder named by `IWAN_FIGURES` (else a temporary one).
+//! Writes the figures of the book as SVG into the folder named by `IWAN_FIGURES`, or else into a temporary folder.
 
 mod plot;
 

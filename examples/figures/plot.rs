@@ -1,11 +1,11 @@
-//! Curves in a frame, as SVG.
+//! Curves in a frame, drawn as SVG.
 
 use std::fmt::Write;
 
-/// A name and its points.
+/// The name of a curve and its points.
 pub(super) type Curve = (&'static str, Vec<(f64, f64)>);
 
-/// Curves with their names in a frame from `low` to `high`.
+/// SVG text of the curves with their names, in a frame from the lower left corner `low` to the upper right corner `high`.
 pub(super) fn plot(x: &str, y: &str, low: (f64, f64), high: (f64, f64), curves: &[Curve]) -> String {
     let at = |(a, b): (f64, f64)| {
         (60.0 + 520.0 * (a - low.0) / (high.0 - low.0), 290.0 - 270.0 * (b - low.1) / (high.1 - low.1))

@@ -51,7 +51,7 @@ pub(crate) enum Format {
 }
 
 impl Format {
-    /// Name of a table in this format.
+    /// File name of a table in this format: `stem` with the format's extension.
     pub(crate) fn file(self, stem: &str) -> String {
         let extension = match self {
             Self::Csv => "csv",
@@ -62,7 +62,7 @@ impl Format {
     }
 }
 
-/// A finite number.
+/// Reads a finite number.
 pub(crate) fn finite(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(value) if value.is_finite() => Ok(value),
@@ -70,7 +70,7 @@ pub(crate) fn finite(text: &str) -> Result<f64, String> {
     }
 }
 
-/// A finite number > 0.
+/// Reads a finite number > 0.
 pub(crate) fn positive(text: &str) -> Result<f64, String> {
     finite(text).ok().filter(|x| *x > 0.0).ok_or_else(|| "must be a finite number > 0".into())
 }

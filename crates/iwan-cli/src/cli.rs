@@ -75,7 +75,7 @@ enum Command {
 /// ```
 pub fn run(arguments: impl IntoIterator<Item = OsString>) -> u8 {
     let arguments: Vec<OsString> = arguments.into_iter().collect();
-    // Asked for in what may be no command line, so that programs read every failure in one form.
+    // `--json` is looked for before the arguments are parsed, so that programs read a usage error in the same form as any other failure.
     let json = arguments.iter().any(|argument| argument == "--json");
     let cli = match Cli::try_parse_from(arguments) {
         Ok(cli) => cli,
@@ -99,7 +99,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> u8 {
         Ok(()) => 0,
         Err(failure) => {
             output::message(&failure.to_string());
-            // With --strict the summary is there already, and its warnings say it.
+            // With --strict the summary with its warnings has been printed already; no second JSON object follows it.
             if json && failure.kind() != Kind::Strict {
                 told(&failure);
             }
@@ -108,13 +108,13 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> u8 {
     }
 }
 
-/// Tells a program of a failure.
+/// Prints a failure as JSON on standard output, for programs.
 fn told(failure: &Failure) {
-    // Where standard output cannot be written, standard error and the exit code have said it.
+    // Where standard output cannot be written, the message on standard error and the exit code remain.
     let _ = output::result(&failure.json());
 }
 
-/// Runs a command.
+/// Runs one command.
 fn command(command: Command) -> Result<(), Failure> {
     match command {
         Command::Simulate(args) => simulate::run(&args),

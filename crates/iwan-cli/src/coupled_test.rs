@@ -1,4 +1,4 @@
-//! Records of several modes at once for other programs: read, fitted and drawn as `iwan fit --coupled` does.
+//! Records of several modes at once, handed over by other programs (the Python package): fitted and drawn as `iwan fit --coupled` does with files.
 
 use std::sync::atomic::AtomicBool;
 
@@ -14,33 +14,33 @@ use crate::fit::{CoupledResults, Loaded, Measured};
 use crate::records::{Recording, Shapes, Sought};
 use crate::session::alone;
 
-/// A record with its force, where that is known.
+/// A record with the force that acted, where it is known.
 #[derive(Debug, Clone)]
 pub struct StruckRecord {
-    /// What messages and results call it.
+    /// Name of the record in messages and results.
     pub name: String,
-    /// The motions.
+    /// The measured channels.
     pub record: Record,
-    /// What they measure.
+    /// What the channels measure: displacement, velocity or acceleration.
     pub quantity: Quantity,
-    /// What had to be assumed, in words.
+    /// What had to be assumed about the record, in words.
     pub warnings: Vec<String>,
-    /// Force at the samples; none: a free decay.
+    /// Force at each sample; none for a free decay.
     pub force: Option<Vec<f64>>,
 }
 
-/// Which modes are looked for, and where.
+/// Which modes are to be found, and how they are told apart.
 #[derive(Debug, Clone)]
 pub struct ModesSought {
-    /// Mass-normalised shapes, one row for each mode and one value for each channel. Without them the one channel shows the sum of all modes.
+    /// Mass-normalised shapes, one row per mode with one value per channel. Without shapes there is one channel, which measures the sum of all modes.
     pub shapes: Option<Vec<Vec<f64>>>,
-    /// Frequency of each row, Hz.
+    /// Frequency of the mode of each row of `shapes`, Hz.
     pub frequencies: Option<Vec<f64>>,
-    /// Band of each mode, Hz.
+    /// Frequency band of each mode, Hz.
     pub bands: Vec<(f64, f64)>,
     /// Rough frequency of each mode, Hz, where there are neither bands nor shapes.
     pub near: Vec<f64>,
-    /// How each mode is followed by itself for the start values.
+    /// Method that extracts amplitude and frequency of each mode alone; the start values of the fit come from these curves.
     pub method: Method,
 }
 
@@ -49,10 +49,10 @@ pub struct ModesSought {
 pub struct CoupledTest(Measured);
 
 impl CoupledTest {
-    /// Takes the modes out of records that are fitted and others that are kept out.
+    /// Extracts the modes from the records that are fitted and from the `held_out` records, which are only predicted.
     ///
     /// # Errors
-    /// Why they do not fit, in words.
+    /// A message in words where records, channels and modes do not fit together.
     pub fn new(
         records: Vec<StruckRecord>,
         held_out: Vec<StruckRecord>,
@@ -67,8 +67,8 @@ impl CoupledTest {
         self.0.modes.iter().map(|mode| mode.name.clone()).collect()
     }
 
-    /// What was measured of the modes, or by the one sensor, in the samples that are fitted and then in those that are predicted: by record,
-    /// series and sample.
+    /// Measured motion of each mode, or of the one sensor, in the samples that are used: `[record][series][sample]`, the fitted records first, then
+    /// the held-out ones.
     #[must_use]
     pub fn motions(&self) -> Vec<Vec<Vec<f64>>> {
         self.0.records.iter().chain(&self.0.held_out).map(|record| record.motions.clone()).collect()
@@ -88,13 +88,13 @@ impl CoupledTest {
         fit_coupled(&self.0.task(shape_at_force, threads, stopped, progress))
     }
 
-    /// `fit.json` of `iwan fit --coupled`.
+    /// The text of `fit.json`, as `iwan fit --coupled` writes it.
     #[must_use]
     pub fn json(&self, fit: &CoupledFit) -> String {
         alone(&CoupledResults::new(&self.0, fit).summary)
     }
 
-    /// The page of `iwan fit --coupled`: self-contained HTML.
+    /// The report of `iwan fit --coupled` as self-contained HTML.
     #[must_use]
     pub fn page(&self, fit: &CoupledFit) -> String {
         CoupledResults::new(&self.0, fit).page

@@ -9,7 +9,7 @@ use iwan_machine::Kind;
 use iwan_machine::memory::Short;
 use serde::Serialize;
 
-/// Version of iwan, as results, pages and errors carry it.
+/// Version of iwan, as results, pages and error messages carry it.
 pub(crate) const VERSION: &str = env!("CARGO_PKG_VERSION");
 
 /// A failure with the message for the user, and its kind in the catalogue of errors.
@@ -17,27 +17,27 @@ pub(crate) const VERSION: &str = env!("CARGO_PKG_VERSION");
 pub(crate) enum Failure {
     /// Bad usage or input: exit code 2.
     Input {
-        /// Its kind.
+        /// Kind of the error in the catalogue.
         kind: Kind,
-        /// What is wrong, and where.
+        /// What is wrong, and in which file, key or option.
         message: String,
-        /// What helps.
+        /// What the user can do about it.
         remedy: String,
     },
     /// The computation failed: exit code 1.
     Computation {
-        /// Its kind.
+        /// Kind of the error in the catalogue.
         kind: Kind,
-        /// What failed, and what helps.
+        /// What failed, and what the user can do about it.
         message: String,
     },
     /// Interrupted by the user: exit code 130, as shells expect it.
     Interrupted,
 }
 
-/// An error of a library, which knows its kind.
+/// An error type of a library that names its kind in the catalogue of errors.
 pub(crate) trait Kinded: fmt::Display {
-    /// Its kind in the catalogue.
+    /// Kind of this error in the catalogue.
     fn its_kind(&self) -> Kind;
 }
 
@@ -62,7 +62,7 @@ kinded!(
     iwan_io::atomic::WriteError
 );
 
-/// What a program reads on standard output in place of the summary.
+/// The JSON object that a program reads on standard output in place of the summary.
 #[derive(Serialize)]
 struct Told<'a> {
     version: &'static str,
@@ -79,17 +79,17 @@ struct Error<'a> {
 }
 
 impl Failure {
-    /// Bad input and what helps.
+    /// A failure by bad input, with its remedy.
     pub(crate) fn input(message: impl Into<String>, remedy: impl Into<String>) -> Self {
         Self::Input { kind: Kind::Input, message: message.into(), remedy: remedy.into() }
     }
 
-    /// A computation that failed.
+    /// A failure of the computation.
     pub(crate) fn computation(message: impl Into<String>) -> Self {
         Self::Computation { kind: Kind::Failed, message: message.into() }
     }
 
-    /// The same as one of another kind.
+    /// The same failure with another kind.
     pub(crate) fn of(mut self, new: Kind) -> Self {
         if let Self::Input { kind, .. } | Self::Computation { kind, .. } = &mut self {
             *kind = new;
@@ -97,16 +97,16 @@ impl Failure {
         self
     }
 
-    /// Bad input in a library's words: what stands behind the first semicolon of its error is the remedy.
+    /// A failure by bad input in a library's words: the text behind the first semicolon of the library's error is the remedy.
     pub(crate) fn said(place: &str, error: &impl Kinded) -> Self {
         let text = error.to_string();
         let (message, remedy) = text.split_once("; ").unwrap_or((&text, "check the record and the options"));
-        // Errors of readers name the file themselves.
+        // Errors of file readers begin with the file's name already.
         let message = if message.starts_with(place) { message.into() } else { format!("{place}: {message}") };
         Self::input(message, remedy).of(error.its_kind())
     }
 
-    /// The same with another way out.
+    /// The same failure with a second remedy, `other`.
     pub(crate) fn or(mut self, other: &str) -> Self {
         if let Self::Input { remedy, .. } = &mut self {
             *remedy = format!("{remedy}; or {other}");
@@ -114,7 +114,7 @@ impl Failure {
         self
     }
 
-    /// A record that could not be read: bad input, but for memory that is lacking.
+    /// A record that could not be read: bad input, except where the machine lacks memory.
     pub(crate) fn read(place: &str, error: &ReadError) -> Self {
         match error {
             ReadError::Io { source, .. } if source.kind() == ErrorKind::OutOfMemory => {
@@ -124,12 +124,12 @@ impl Failure {
         }
     }
 
-    /// What the machine lacks, in a library's words.
+    /// A failure because the machine lacks memory, in a library's words.
     pub(crate) fn lacking(text: &str) -> Self {
         Self::computation(text.replacen("; ", "\nremedy: ", 1)).of(Kind::Memory)
     }
 
-    /// The exit code.
+    /// The exit code of the program.
     pub(crate) const fn code(&self) -> u8 {
         match self {
             Self::Input { .. } => 2,
@@ -138,7 +138,7 @@ impl Failure {
         }
     }
 
-    /// Its kind in the catalogue.
+    /// Kind of the failure in the catalogue.
     pub(crate) const fn kind(&self) -> Kind {
         match self {
             Self::Input { kind, .. } | Self::Computation { kind, .. } => *kind,
@@ -153,7 +153,7 @@ impl Failure {
         let (message, remedy) =
             text.split_once("\nremedy: ").or_else(|| text.split_once("; ")).unwrap_or((text, ""));
         let error = Error { kind: self.kind().name(), exit_code: self.code(), message, remedy };
-        // Numbers and texts: serialisation cannot fail.
+        // The object holds only numbers and texts, whose serialisation cannot fail.
         let mut text = serde_json::to_string_pretty(&Told { version: VERSION, error }).unwrap_or_default();
         text.push('\n');
         text

@@ -1,4 +1,4 @@
-//! `report.html` and `fit.json` of a fit that was made elsewhere: those of `iwan fit`.
+//! `report.html` and `fit.json` of a fit that another program made with the library: those of `iwan fit`.
 
 use iwan_ident::curves::Quantity;
 use iwan_ident::identify::{Identification, Settings};
@@ -11,22 +11,22 @@ use crate::identified::{Identified, extract};
 use crate::records::{Axis, ModalRecord, Recording, Units, Wanted};
 use crate::session::alone;
 
-/// A record as it was identified.
+/// A record as the identification took it.
 #[derive(Debug, Clone)]
 pub struct FittedRecord {
-    /// What the page calls it.
+    /// Name of the record on the page.
     pub name: String,
-    /// Names of the channels it was taken from.
+    /// Names of the channels from which the record was taken.
     pub channels: Vec<String>,
-    /// Unit of the samples as text; empty when not known.
+    /// Unit of the samples as text; empty where it is not known.
     pub unit: String,
-    /// What was measured.
+    /// What was measured: displacement, velocity or acceleration.
     pub quantity: Quantity,
     /// Sampling interval, s.
     pub dt: f64,
     /// Time of the first sample, s.
     pub start: f64,
-    /// The mode's record.
+    /// Samples of the mode's record.
     pub samples: Vec<f64>,
 }
 
@@ -35,22 +35,22 @@ pub struct FittedRecord {
 pub struct FittedMode<'a> {
     /// The records.
     pub records: &'a [FittedRecord],
-    /// What was asked for.
+    /// The settings of the identification.
     pub settings: &'a Settings,
-    /// What was found.
+    /// The results of the identification.
     pub found: &'a Identification,
-    /// How the channels were combined, and what was assumed.
+    /// Notes on how the channels were combined and what was assumed.
     pub notes: &'a [String],
-    /// Whether the records carry the root of a modal mass, as modal quantities do.
+    /// Whether the samples carry the root of a modal mass, as those of modal quantities do.
     pub mass_normalised: bool,
-    /// Whether curves are drawn over the joint force in place of the modal one.
+    /// Whether dissipation is drawn over the joint force in place of the modal force.
     pub joint_force: bool,
 }
 
-/// The page: self-contained HTML.
+/// The page as self-contained HTML.
 ///
 /// # Errors
-/// Why there is none, in words: records that are none, a mode that cannot be drawn.
+/// A message in words: records that cannot be used, or a mode that cannot be drawn.
 pub fn fit_page(mode: &FittedMode<'_>) -> Result<String, String> {
     page(mode).map_err(|failure| failure.to_string())
 }

@@ -1,4 +1,4 @@
-//! Modes identified from recordings, with the extractions that pages show of them.
+//! Modes identified from recordings, together with the extractions that the reports show.
 
 use std::ops::Deref;
 use std::sync::Arc;
@@ -13,10 +13,10 @@ use iwan_study::identified::{IdentifiedMode, RecordOfMode};
 use crate::failure::Failure;
 use crate::records::{Axis, Extraction, ModalRecord, Recording, Wanted};
 
-/// A mode with everything that was found about it.
+/// A mode with all results of its identification.
 #[derive(Debug, Clone)]
 pub(crate) struct Identified {
-    /// Each record by all methods.
+    /// The mode's extraction from each record, by all methods.
     pub(crate) extractions: Vec<Extraction>,
     identified: IdentifiedMode,
 }
@@ -29,7 +29,7 @@ impl Deref for Identified {
     }
 }
 
-/// The mode in each of its records: what cannot be used is refused here, before anything takes long.
+/// Extracts the mode from each of its records. What cannot be used is refused here, before the long computation begins.
 pub(crate) fn extract(
     recordings: &[Recording],
     wanted: &Wanted,
@@ -40,7 +40,7 @@ pub(crate) fn extract(
 }
 
 impl Identified {
-    /// Identifies one mode, with a checkpoint where one is wanted.
+    /// Identifies one mode; the work is kept in a checkpoint where one is given.
     pub(crate) fn new(
         recordings: &[Recording],
         wanted: &Wanted,
@@ -62,7 +62,7 @@ impl Identified {
         Self::of(recordings, wanted, extractions, axis, found)
     }
 
-    /// One mode that is identified already.
+    /// Takes over a mode that is identified already.
     pub(crate) fn of(
         recordings: &[Recording],
         wanted: &Wanted,
@@ -87,7 +87,7 @@ impl Identified {
     }
 }
 
-/// The mode's records as the identification takes them.
+/// The mode's records in the form that the identification takes.
 fn sources<'a>(recordings: &[Recording], wanted: &'a Wanted) -> Vec<ModeRecord<'a>> {
     let source = |r: &'a ModalRecord| {
         let recording = &recordings[r.source];
@@ -96,7 +96,7 @@ fn sources<'a>(recordings: &[Recording], wanted: &'a Wanted) -> Vec<ModeRecord<'
     wanted.records.iter().map(source).collect()
 }
 
-/// The axis with what it needs.
+/// The axis of force for the library; the joint force needs frequency and K_T.
 fn force_axis(axis: Axis, p: &Parameters) -> ForceAxis {
     match axis {
         Axis::Modal => ForceAxis::Modal,

@@ -1,4 +1,4 @@
-//! The command `iwan` as a function: the program and the Python package run the same.
+//! The command `iwan` as a function, which both the program and the Python package call.
 #![allow(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
@@ -35,7 +35,7 @@ mod reproduce;
 // The commands that only print a text.
 mod texts;
 
-// The doors: the page of a fit, a shaker's test and records of several modes for other programs, and the command line.
+// The entrances: the page of a fit, a shaker's test and records of several modes for other programs, and the command line.
 mod fit_page;
 mod sweep_test;
 mod coupled_test;

@@ -7,7 +7,7 @@ use iwan_machine::Kind;
 
 use crate::failure::Failure;
 
-/// Prints a result to stdout. A reader that has gone (`iwan ... | head`) is no failure.
+/// Prints a result to stdout. It is no failure where the reader has closed the pipe (`iwan ... | head`).
 pub(crate) fn result(text: &str) -> Result<(), Failure> {
     let mut out = std::io::stdout().lock();
     let shown = if std::io::IsTerminal::is_terminal(&out) { harmless(text) } else { text.into() };
@@ -20,13 +20,13 @@ pub(crate) fn result(text: &str) -> Result<(), Failure> {
     }
 }
 
-/// Prints a line to stderr; when that is closed there is nobody to tell.
+/// Prints a line to stderr. Where stderr is closed, the message is lost.
 pub(crate) fn message(text: &str) {
     let _ = writeln!(std::io::stderr().lock(), "{}", harmless(text));
 }
 
-/// Text for a terminal. Names and cells of files stand in it, whose control characters would move the cursor, colour the screen or name
-/// the window: they are shown as codes. Lines and tabs stay.
+/// Text for a terminal. Names and cells of files occur in it, and their control characters would move the cursor, colour the screen or rename the
+/// window: they are shown as codes. Line ends and tabs stay.
 fn harmless(text: &str) -> Cow<'_, str> {
     let harmful = |c: char| c.is_control() && !matches!(c, '\n' | '\t') || HIDDEN.contains(&c);
     if !text.contains(harmful) {
@@ -36,7 +36,7 @@ fn harmless(text: &str) -> Cow<'_, str> {
     text.chars().map(shown).collect::<String>().into()
 }
 
-/// Characters that turn the direction of writing, by which a name can look like another one (Unicode UAX 9).
+/// Characters that change the direction of writing, by which one name can be made to look like another (Unicode UAX 9).
 const HIDDEN: [char; 9] = [
     '\u{202a}', '\u{202b}', '\u{202c}', '\u{202d}', '\u{202e}', '\u{2066}', '\u{2067}', '\u{2068}',
     '\u{2069}',

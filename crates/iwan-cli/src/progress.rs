@@ -1,4 +1,4 @@
-//! Bar on the terminal, and Ctrl-C.
+//! The progress bar on the terminal, and the handling of Ctrl-C.
 
 use std::io::IsTerminal;
 use std::ops::ControlFlow;
@@ -14,44 +14,44 @@ use iwan_machine::threads::begin;
 use crate::failure::Failure;
 use crate::output;
 
-/// Set by Ctrl-C (and by termination).
+/// Set by Ctrl-C, and by a signal to terminate.
 static INTERRUPTED: AtomicBool = AtomicBool::new(false);
 
-/// Parts of the bar, which counts in whole numbers: no terminal is wide enough to show more.
+/// Steps of the bar, which counts in whole numbers: no terminal is wide enough to show more.
 const PARTS: f64 = 1000.0;
 
-/// Time between two looks at whether Ctrl-C was pressed, and between two pictures of the spinner: short enough to seem
-/// immediate, and twenty looks a second cost nothing.
+/// Time between two checks of whether Ctrl-C was pressed, and between two frames of the spinner: short enough to seem immediate, and twenty checks a
+/// second cost nothing.
 const TICK: Duration = Duration::from_millis(50);
 
-/// Whether a command runs.
+/// Whether a command is running.
 static RUNNING: AtomicBool = AtomicBool::new(false);
 
-/// Held while files become visible and while a command says how it ended: in between it is not broken off.
+/// Locked while files become visible and while a command reports how it ended; Ctrl-C does not end the process meanwhile.
 static ENDING: Mutex<()> = Mutex::new(());
 
-/// What is removed where the command itself has no time for it.
+/// Folder that the handler of Ctrl-C removes where the command has no time to remove it.
 static STAGED: Mutex<Option<PathBuf>> = Mutex::new(None);
 
-/// How long a command may take to notice Ctrl-C by itself; then it is ended. People call less than 0.2 s at once.
+/// Time within which a command may notice Ctrl-C by itself; after it the handler ends the process. Users perceive less than 0.2 s as immediate.
 const PATIENCE: Duration = Duration::from_millis(120);
 
-/// What goes when Ctrl-C ends the process.
+/// Names the folder that is removed where Ctrl-C ends the process.
 pub(crate) fn staged(folder: &Path) {
     *locked(&STAGED) = Some(folder.to_path_buf());
 }
 
-/// From now on Ctrl-C is noticed between two pieces of work, so that no half result stays behind. Work that does not look up in
-/// time, as the writing of a long file, ends with the process, and what is [`staged`] is removed.
+/// From now on work notices Ctrl-C between two steps, so that no half result is left. Work that does not check in time, such as the writing of a long
+/// file, ends with the process, and the [`staged`] folder is removed.
 pub(crate) fn catch_interrupts() {
     RUNNING.store(true, Ordering::Relaxed);
-    // It can only fail when a handler is set already, or the system has no signals or no thread: then Ctrl-C just kills.
+    // This fails only where a handler is set already, or the system has no signals or no thread: then Ctrl-C kills the process as usual.
     let _ = ctrlc::set_handler(|| {
         INTERRUPTED.store(true, Ordering::Relaxed);
         std::thread::sleep(PATIENCE);
         let _ending = ending();
         if RUNNING.load(Ordering::Relaxed) {
-            // A file may be made while others are removed.
+            // The folder is removed three times over, because the command may still create a file while others are removed.
             let staged = locked(&STAGED).take();
             if let Some(path) = &staged {
                 (0..3).for_each(|_| drop(std::fs::remove_dir_all(path)));
@@ -62,12 +62,12 @@ pub(crate) fn catch_interrupts() {
     });
 }
 
-/// From here to the drop of what is returned the command is not broken off.
+/// Until the returned guard is dropped, Ctrl-C does not end the process.
 pub(crate) fn ending() -> MutexGuard<'static, ()> {
     locked(&ENDING)
 }
 
-/// The command has ended, and said how.
+/// Marks that the command has ended and has reported how: from now on Ctrl-C leaves the process alone.
 pub(crate) fn ended() {
     RUNNING.store(false, Ordering::Relaxed);
 }
@@ -76,19 +76,19 @@ fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Fails when Ctrl-C was pressed.
+/// Returns an error where Ctrl-C was pressed.
 pub(crate) fn check_interrupt() -> Result<(), Failure> {
     if INTERRUPTED.load(Ordering::Relaxed) { Err(Failure::Interrupted) } else { Ok(()) }
 }
 
-/// A progress bar on a terminal, silence elsewhere.
+/// A progress bar on a terminal; nothing elsewhere.
 #[derive(Debug)]
 pub(crate) struct Bar {
     bar: ProgressBar,
     quiet: bool,
 }
 
-/// What shows progress from another thread.
+/// A handle that shows progress from another thread.
 #[derive(Debug, Clone)]
 pub(crate) struct Teller {
     bar: ProgressBar,
@@ -96,13 +96,13 @@ pub(crate) struct Teller {
 }
 
 impl Teller {
-    /// Shows the share done; breaks off after Ctrl-C.
+    /// Shows the share done, 0 to 1; asks the work to stop after Ctrl-C.
     pub(crate) fn report(&self, share: f64) -> ControlFlow<()> {
         self.bar.set_position((share * PARTS) as u64);
         if INTERRUPTED.load(Ordering::Relaxed) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     }
 
-    /// Says something above the bar.
+    /// Prints a message above the bar.
     pub(crate) fn say(&self, text: &str) {
         if !self.quiet {
             self.bar.suspend(|| output::message(text));
@@ -122,7 +122,7 @@ impl Bar {
         Self { bar: bar.with_message(title), quiet }
     }
 
-    /// A sign of life for work that cannot say how far it is.
+    /// A spinner, for work that cannot tell how far it is.
     pub(crate) fn busy(title: &'static str, quiet: bool) -> Self {
         let progress = Self::new(title, quiet);
         if let Ok(style) = ProgressStyle::with_template("{spinner} {msg}, {elapsed}") {
@@ -131,16 +131,16 @@ impl Bar {
         progress
     }
 
-    /// Does the work beside this thread, which breaks off after Ctrl-C whether the work has ended or not: it goes with
-    /// the process.
+    /// Does the work on another thread and waits for it. After Ctrl-C this returns an error at once, even where the work has not ended: that thread
+    /// ends with the process.
     pub(crate) fn wait<R: Send + 'static>(
         &self,
         work: impl FnOnce() -> R + Send + 'static,
     ) -> Result<R, Failure> {
         let (sender, receiver) = std::sync::mpsc::channel();
-        // Without a receiver nobody waits for the result.
+        // Where the receiver has gone, nobody waits for the result, and it is dropped.
         let begun = begin("iwan", move || drop(sender.send(work())));
-        // Where no thread can be had, the work is done here, and Ctrl-C is seen when it has ended.
+        // Where the system gives no thread, the work is done on this one, and Ctrl-C is noticed when the work has ended.
         if let Err(work) = begun {
             work();
         }
@@ -158,12 +158,12 @@ impl Bar {
         }
     }
 
-    /// For work on another thread.
+    /// A handle to the bar for work on another thread.
     pub(crate) fn teller(&self) -> Teller {
         Teller { bar: self.bar.clone(), quiet: self.quiet }
     }
 
-    /// Shows the share done; breaks off after Ctrl-C.
+    /// Shows the share done, 0 to 1; asks the work to stop after Ctrl-C.
     pub(crate) fn report(&self, share: f64) -> ControlFlow<()> {
         self.teller().report(share)
     }

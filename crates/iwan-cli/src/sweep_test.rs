@@ -1,4 +1,4 @@
-//! A shaker's test for other programs: read, fitted and drawn as `iwan fit --sweep --backbone` does.
+//! A shaker's test, handed over by other programs (the Python package): read, fitted and drawn as `iwan fit --sweep --backbone` does with files.
 
 use std::path::PathBuf;
 
@@ -14,16 +14,16 @@ use crate::session::alone;
 pub enum SweepSource {
     /// A file: text, MATLAB, NumPy, or functions of a universal file.
     File(PathBuf),
-    /// Columns of equal length by name, as a file would have them.
+    /// Columns of equal length with their names, as a file would hold them.
     Columns {
-        /// What messages call it.
+        /// Name of the source in messages.
         name: String,
-        /// The columns.
+        /// Name and values of each column.
         columns: Vec<(String, Vec<f64>)>,
     },
 }
 
-/// What a measurement is.
+/// The kind of a measurement.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SweepKind {
     /// Stepped-sine responses.
@@ -37,11 +37,11 @@ pub enum SweepKind {
 pub struct SweepTest(ShakerTest);
 
 impl SweepTest {
-    /// Reads measurements of the modal mass `mass` (none: they are modal quantities); `levels` are the forces of a universal file's
-    /// functions, in their order; `ring_downs` are names of records and what was identified in them.
+    /// Reads measurements of a mode with the modal mass `mass` (none: the measurements are modal quantities already). `levels` are the forces of a
+    /// universal file's functions, in the order of the file; `ring_downs` are the names of records and what was identified in them.
     ///
     /// # Errors
-    /// Why a source is no measurement, in words: file, column, entry and what helps.
+    /// A message in words where a source is no measurement: file, column, entry and what the user can do.
     pub fn read(
         sources: Vec<(SweepKind, SweepSource)>,
         mass: Option<f64>,
@@ -70,10 +70,10 @@ impl SweepTest {
         self.0.fit(hold)
     }
 
-    /// The page of `iwan fit`: self-contained HTML.
+    /// The report of `iwan fit` as self-contained HTML.
     ///
     /// # Errors
-    /// Why there is none, in words: a mode that cannot be driven at the measured levels.
+    /// A message in words: a mode that cannot be driven at the measured levels.
     pub fn page(&self, fit: &SteadyFit) -> Result<String, String> {
         Results::new(&self.0, fit).map(|results| results.page).map_err(|failure| failure.to_string())
     }

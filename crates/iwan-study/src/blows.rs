@@ -1,16 +1,15 @@
-//! The blows that the beam and its modal models are put under (the paper's Sec. 3), and the records they leave.
+//! The blows on the beam and its modal models (the paper's Sec. 3), and the length of their records.
 
 use iwan_core::Pulse;
 
-/// Peak forces of the blows, lbf: from micro-slip in every joint to macro-slip in most of a record (Sec. 3).
+/// Peak forces of the blows, lbf: from micro-slip in every joint to macro-slip during most of a record (Sec. 3).
 pub const LEVELS: [f64; 6] = [1.0, 10.0, 100.0, 1000.0, 5000.0, 10_000.0];
 
 /// Duration of a blow, s.
 pub const BLOW: f64 = 1.6e-3;
 
-/// Time step, s. The paper's scheme makes a period longer by the share (ω dt)²/12: 1.6e-4 of mode 3 at 696 Hz, and less of
-/// the lower modes. Truth and modal model are integrated by the same scheme at the same step, so that it drops out where
-/// the two are compared.
+/// Time step, s. The paper's scheme lengthens the period by the share (ω dt)²/12: 1.6e-4 for mode 3 at 696 Hz, and less for the lower modes. The
+/// truth and the modal models are integrated by the same scheme at the same step, so that this error cancels where the two are compared.
 pub const DT: f64 = 1e-5;
 
 /// Number of steps: 0.2 s, 26 cycles of mode 1.

@@ -1,8 +1,8 @@
-//! Why a study could not be finished: where it was, and what the library at work there said.
+//! Why a study could not be finished: what was being computed, and the error of the library that was at work.
 
 use iwan_machine::Kind;
 
-/// A study that was refused, failed or was broken off.
+/// A study that was refused, failed or was interrupted.
 ///
 /// `place` says what was being computed, such as `configuration A, bending 1`.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -13,7 +13,7 @@ pub enum Error {
     Law {
         /// What was being computed.
         place: String,
-        /// What was said.
+        /// The library's error.
         source: iwan_core::Error,
     },
     /// Matrices, modes, transients or static curves of a structure.
@@ -21,7 +21,7 @@ pub enum Error {
     Structure {
         /// What was being computed.
         place: String,
-        /// What was said.
+        /// The library's error.
         source: iwan_fem::Error,
     },
     /// A simulation of a modal model.
@@ -29,7 +29,7 @@ pub enum Error {
     Simulation {
         /// What was being computed.
         place: String,
-        /// What was said.
+        /// The library's error.
         source: iwan_sim::SimulationError,
     },
     /// An envelope, a curve or a fit.
@@ -37,7 +37,7 @@ pub enum Error {
     Identification {
         /// What was being computed.
         place: String,
-        /// What was said.
+        /// The library's error.
         source: iwan_ident::Error,
     },
     /// A modal test.
@@ -45,26 +45,26 @@ pub enum Error {
     Modal {
         /// What was being computed.
         place: String,
-        /// What was said.
+        /// The library's error.
         source: iwan_modal::Error,
     },
-    /// Measured curves that a structure cannot be updated from.
+    /// Measured curves from which a structure cannot be updated.
     #[error("{place}: {finding}; {remedy}")]
     Update {
-        /// Which curve, mode or group of joints.
+        /// The curve, mode or group of joints concerned.
         place: String,
-        /// What was found.
+        /// What is wrong.
         finding: String,
-        /// What helps.
+        /// What the user can do.
         remedy: &'static str,
     },
-    /// The observer asked to stop.
+    /// The observer of the progress asked to stop.
     #[error("interrupted")]
     Interrupted,
 }
 
 impl Error {
-    /// Its kind in the catalogue of errors.
+    /// Kind in the catalogue of errors.
     #[must_use]
     pub fn kind(&self) -> Kind {
         match self {
@@ -80,13 +80,13 @@ impl Error {
 }
 
 impl Error {
-    /// Makes a law's error one of a study.
+    /// Turns a law's error into one of a study.
     pub(crate) fn law(place: &str) -> impl Fn(iwan_core::Error) -> Self + use<> {
         let place = place.to_owned();
         move |source| Self::Law { place: place.clone(), source }
     }
 
-    /// Makes a structure's error one of a study; an interruption stays one.
+    /// Turns a structure's error into one of a study; an interruption remains an interruption.
     pub(crate) fn structure(place: &str) -> impl Fn(iwan_fem::Error) -> Self + use<> {
         let place = place.to_owned();
         move |source| match source {
@@ -95,7 +95,7 @@ impl Error {
         }
     }
 
-    /// Makes a simulation's error one of a study; an interruption stays one.
+    /// Turns a simulation's error into one of a study; an interruption remains an interruption.
     pub(crate) fn simulation(place: &str) -> impl Fn(iwan_sim::SimulationError) -> Self + use<> {
         let place = place.to_owned();
         move |source| match source {
@@ -104,13 +104,13 @@ impl Error {
         }
     }
 
-    /// Makes an identification's error one of a study.
+    /// Turns an identification's error into one of a study.
     pub(crate) fn identification(place: &str) -> impl Fn(iwan_ident::Error) -> Self + use<> {
         let place = place.to_owned();
         move |source| Self::Identification { place: place.clone(), source }
     }
 
-    /// Makes a modal test's error one of a study.
+    /// Turns a modal test's error into one of a study.
     pub(crate) fn modal(place: &str) -> impl Fn(iwan_modal::Error) -> Self + use<> {
         let place = place.to_owned();
         move |source| Self::Modal { place: place.clone(), source }

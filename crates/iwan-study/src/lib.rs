@@ -7,16 +7,16 @@
 //! The paper: Deaner, Allen, Starr, Segalman, *Investigation of Modal Iwan Models for Structures with Bolted Joints*; equation,
 //! table and figure numbers are the paper's.
 
-// How a study fails, how far it is, and how it writes numbers
+// Errors and progress of a study, and small helpers for numbers
 mod error;
 mod progress;
 mod span;
 mod relative_difference;
 
-// A mode that was found in records, beside them
+// A mode that was identified from records, compared with them
 pub mod identified;
 
-// What the paper prints, and what it does to its beam
+// The values that the paper prints, and the blows on its beam
 pub mod printed;
 pub mod blows;
 
@@ -25,10 +25,10 @@ pub mod beam;
 pub mod modes;
 pub mod laboratory;
 
-// The joints of any structure from what its modes show
+// The joints of any structure from measurements of its modes
 pub mod update;
 
-// All of it together, in words and in numbers
+// The whole reproduction, in words and in numbers
 mod reproduction;
 pub mod findings;
 pub mod summary;

@@ -1,5 +1,5 @@
-//! What the paper prints: Deaner, Allen, Starr, Segalman, *Investigation of Modal Iwan Models for Structures with Bolted
-//! Joints*. Pounds-force, inches, seconds; modal quantities mass-normalised.
+//! Values that the paper prints: Deaner, Allen, Starr, Segalman, *Investigation of Modal Iwan Models for Structures with Bolted Joints*. Units are
+//! pounds-force, inches and seconds; modal quantities are mass-normalised.
 //!
 //! Table 1, the joint of the beam's interfaces, is [`iwan_fem::paper::joint`]: the structure is built with it.
 

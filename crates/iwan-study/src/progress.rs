@@ -1,4 +1,4 @@
-//! How far a study is, and whether it shall go on.
+//! How far a study is, and whether it is to continue.
 
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -7,7 +7,7 @@ use iwan_core::Progress;
 
 use crate::error::Error;
 
-/// Counts pieces of work that are done and tells the observer.
+/// Counts the pieces of work that are done, and reports to the observer.
 pub(crate) struct Tally<'a> {
     observer: Progress<'a>,
     pieces: usize,
@@ -15,17 +15,17 @@ pub(crate) struct Tally<'a> {
 }
 
 impl<'a> Tally<'a> {
-    /// Of so many pieces.
+    /// A tally for this number of pieces.
     pub(crate) const fn new(observer: Progress<'a>, pieces: usize) -> Self {
         Self { observer, pieces, done: AtomicUsize::new(0) }
     }
 
-    /// Tells what is done, with the part under way in units of pieces.
+    /// Reports the work done; `part` is the progress of the piece under way, 0 to 1.
     pub(crate) fn under_way(&self, part: f64) -> ControlFlow<()> {
         (self.observer)((self.done.load(Ordering::Relaxed) as f64 + part) / self.pieces as f64)
     }
 
-    /// More pieces are done.
+    /// Counts further pieces as done.
     pub(crate) fn add(&self, pieces: usize) -> Result<(), Error> {
         self.done.fetch_add(pieces, Ordering::Relaxed);
         if self.under_way(0.0).is_break() { Err(Error::Interrupted) } else { Ok(()) }

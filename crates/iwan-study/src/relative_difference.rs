@@ -1,6 +1,6 @@
-//! How far one record is from another.
+//! The relative difference between two records.
 
-/// Root mean square of `x - reference` over that of `reference`; both have as many samples.
+/// Root mean square of `x - reference` over that of `reference`; both have the same number of samples.
 ///
 /// ```
 /// let apart = iwan_study::relative_difference(&[3.0, 4.4], &[3.0, 4.0]);

@@ -1,4 +1,4 @@
-//! The paper computed anew: both configurations under all blows, their modes with modal counterparts, the laboratory.
+//! The paper computed anew: both configurations under all blows, their modes with modal models, and the laboratory.
 
 use iwan_core::Progress;
 use iwan_fem::mesh::beam::Configuration;
@@ -12,11 +12,11 @@ use crate::progress::Tally;
 
 /// The configurations that are computed.
 const CONFIGURATIONS: [Configuration; 2] = [Configuration::A, Configuration::B];
-/// Bending modes of each, those with the most cycles first: where several threads take them, the longest work shall not come
-/// last.
+/// Indices of the bending modes of each configuration, those with the most cycles first: where several threads share the work, the longest piece must
+/// not come last.
 const MODES: [usize; 3] = [2, 0, 1];
 
-/// All that was computed.
+/// All results of a reproduction.
 #[derive(Debug)]
 pub struct Reproduction {
     /// Configurations A and B.
@@ -28,11 +28,11 @@ pub struct Reproduction {
 /// A configuration of the beam with its modes.
 #[derive(Debug)]
 pub struct StudiedBeam {
-    /// The responses of the beam.
+    /// The beam and its responses.
     pub truth: BeamUnderBlows,
     /// Bending modes 1 to 3.
     pub modes: Vec<StudiedMode>,
-    /// All of them with the joint that they share; none where that is no model.
+    /// Bending modes 1 to 3 with the joint that they share; none where these make no model that can be integrated.
     pub coupled: Option<CoupledModel>,
 }
 
@@ -43,7 +43,7 @@ impl Reproduction {
     }
 }
 
-/// Computes everything on up to `threads` threads: the same bits whatever their number. It takes seconds.
+/// Computes everything on up to `threads` threads, which takes seconds; the results have the same bits whatever the number of threads.
 ///
 /// ```no_run
 /// use std::ops::ControlFlow;
@@ -54,7 +54,7 @@ impl Reproduction {
 /// ```
 ///
 /// # Errors
-/// [`Error::Interrupted`] when the observer broke off; anything else would be a fault of this program, as nothing is read in.
+/// [`Error::Interrupted`] where the observer stopped the work; any other error would be a fault of this program, because nothing is read in.
 pub fn reproduce(threads: usize, observer: Progress<'_>) -> Result<Reproduction, Error> {
     let tally = Tally::new(observer, CONFIGURATIONS.len() * (1 + MODES.len()) + HITS.len());
     let blows = |configuration: &Configuration| {

@@ -1,4 +1,4 @@
-//! A stretch of time, of frequency or of anything else that has two ends.
+//! A range of time, frequency or any other quantity, given by its two ends.
 
 use serde::Serialize;
 
@@ -20,7 +20,7 @@ pub struct Span {
 }
 
 impl Span {
-    /// First and last of some values; zeros where there are none.
+    /// The first and the last of some values; zeros where there are none.
     #[must_use]
     pub fn ends(values: &[f64]) -> Self {
         Self { from: values.first().copied().unwrap_or(0.0), to: values.last().copied().unwrap_or(0.0) }

@@ -43,7 +43,7 @@ pub(crate) fn run(args: &BackboneArgs) -> Result<(), Failure> {
     session.finish(&summary)
 }
 
-/// What the file asks for: modes of a scenario, or a structure.
+/// What the file describes: modes of a scenario, or a structure.
 struct Task {
     scenario: SteadyScenario,
     structure: Option<OnStructure>,
@@ -75,7 +75,7 @@ impl Task {
     }
 }
 
-/// The columns of the table: modes below each other, told apart by their number.
+/// The columns of the table: the modes stand below each other, told apart by their number.
 fn columns(traced: &[Traced], highest: usize) -> Vec<(String, Vec<f64>)> {
     let all = |value: &dyn Fn(&BackbonePoint) -> f64| -> Vec<f64> {
         traced.iter().flat_map(|t| t.curve.points.iter().map(value)).collect()

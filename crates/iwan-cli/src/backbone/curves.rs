@@ -7,7 +7,8 @@ use iwan_sim::{JointedModes, Mode, NonlinearMode, SimulationError, backbone, in_
 use super::args::BackboneArgs;
 use crate::failure::Failure;
 
-/// Amplitudes over that of macro-slip without the user's word: from where joints hardly slip to where they do nothing else.
+/// Default range of modal amplitudes, as multiples of the amplitude at which macro-slip begins: from where the joints hardly slip to where they are
+/// deep in macro-slip.
 const RANGE: [f64; 2] = [1e-3, 10.0];
 
 /// A mode with its backbone.
@@ -16,14 +17,14 @@ pub(crate) struct Traced {
     pub(crate) name: String,
     /// Frequency at small amplitude, Hz.
     pub(crate) frequency: f64,
-    /// Modal amplitude at which the first joint is in macro-slip.
+    /// Modal amplitude at which the first joint enters macro-slip; none without a joint that slips.
     pub(crate) onset: Option<f64>,
-    /// Names of the slips, on a structure.
+    /// Names of the joints' slips; empty but for a structure.
     pub(crate) slips: Vec<String>,
     pub(crate) curve: NonlinearMode,
 }
 
-/// The highest harmonic: the user's, the scenario's, or the first.
+/// The highest harmonic: the one of the option, else the one of the scenario's `[sweep]`, else 1.
 pub(super) fn harmonics(args: &BackboneArgs, scenario: &SteadyScenario) -> Result<usize, Failure> {
     let of_sweep = scenario.sweep.as_ref().map(|table| table.sweep.harmonics);
     let highest = args.harmonics.or(of_sweep).unwrap_or(1);
@@ -61,7 +62,8 @@ pub(super) fn trace(
     Ok(traced)
 }
 
-/// The backbones of modes that share joints: each grows out of one stuck mode, and all others follow.
+/// The backbones of modes that share joints: each begins at small amplitude as one stuck mode, and the other modes take part as the slips couple
+/// them.
 fn coupled(
     name: &str,
     scenario: &SteadyScenario,
@@ -85,7 +87,7 @@ fn coupled(
     Ok(traced)
 }
 
-/// Amplitudes evenly spaced on a logarithmic scale.
+/// Amplitudes from the smallest to the largest wanted, evenly spaced on a logarithmic scale.
 pub(super) fn amplitudes(
     name: &str,
     mode: &str,

@@ -75,7 +75,7 @@ fn figure(
     }
 }
 
-/// The harmonics over the fundamental, where there are any.
+/// Amplitudes of the harmonics over that of the fundamental; none where only the fundamental was computed.
 fn harmonics(traced: &Traced) -> Option<Figure> {
     let count = traced.curve.points.first()?.response.len();
     if count < 2 {
@@ -96,9 +96,10 @@ fn harmonics(traced: &Traced) -> Option<Figure> {
     })
 }
 
-/// Slips of the joints over the amplitude, which the shape of a linear mode would keep in proportion; on a structure only.
+/// Slips of a structure's joints over the modal amplitude, as a ratio that would be constant if the mode kept its linear shape; none for fewer than
+/// two slips.
 fn slips(traced: &Traced) -> Option<Figure> {
-    /// Slips below this part of the largest are those that symmetry forbids.
+    /// A slip smaller than this part of the largest one is not drawn: symmetry forbids it, and what is left is rounding.
     const LEAST: f64 = 1e-6;
     if traced.slips.len() < 2 {
         return None;

@@ -9,7 +9,7 @@ use crate::failure::Failure;
 use crate::session::Session;
 use crate::structures::{Asked, Linear, steady};
 
-/// A structure and what a scenario says about it.
+/// A structure with the settings that the file gives for the computation.
 pub(super) struct OnStructure {
     pub(super) source: String,
     pub(super) file: StructureFile,
@@ -18,7 +18,7 @@ pub(super) struct OnStructure {
     pub(super) damping_ratio: f64,
 }
 
-/// The backbones of the modes asked for, without any the first three bending modes.
+/// The backbones of the modes that the options name; of the first three bending modes where they name none.
 pub(super) fn trace(
     on: OnStructure,
     args: &BackboneArgs,

@@ -1,4 +1,4 @@
-//! What `iwan backbone` says: `summary.json` and the table on the terminal.
+//! The summary of `iwan backbone`: `summary.json` and the table on the terminal.
 
 use std::fmt::Write;
 
@@ -28,15 +28,15 @@ pub(crate) struct BackboneSummary {
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct ModeBackbone {
     pub(crate) name: String,
-    /// Amplitudes of the modal displacement.
+    /// Amplitudes of the modal displacement, one per point.
     pub(crate) amplitude: Vec<f64>,
-    /// Hz.
+    /// Frequency at each amplitude, Hz.
     pub(crate) frequency: Vec<f64>,
     pub(crate) damping_ratio: Vec<f64>,
 }
 
 impl BackboneSummary {
-    /// Of the modes' backbones.
+    /// Makes the summary of the modes' backbones.
     pub(super) fn new(scenario: String, harmonics: usize, traced: &[Traced], seconds: f64) -> Self {
         let mode = |t: &Traced| ModeBackbone {
             name: t.name.clone(),
@@ -66,7 +66,7 @@ impl Summary for BackboneSummary {
             format!("{:<16}{:>13}{:>16}{:>12}\n", "mode", "amplitude", "frequency, Hz", "damping, %");
         for mode in &self.modes {
             let last = mode.amplitude.len().saturating_sub(1);
-            // The ends and three between.
+            // The terminal shows both ends of a backbone and three points between them.
             let mut shown: Vec<usize> = (0..=4).map(|i| i * last / 4).collect();
             shown.dedup();
             for i in shown.into_iter().filter(|i| *i < mode.amplitude.len()) {

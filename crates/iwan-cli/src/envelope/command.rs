@@ -31,7 +31,7 @@ pub(crate) fn run(args: &EnvelopeArgs) -> Result<(), Failure> {
     session.finish(&summary)
 }
 
-/// Every mode asked for, taken out of the record, and out of each of its hits.
+/// Extracts every mode that the options name, from the record or, where it holds several hits, from each hit.
 fn extract(
     recordings: &[Recording],
     args: &EnvelopeArgs,

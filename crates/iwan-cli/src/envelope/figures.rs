@@ -1,4 +1,4 @@
-//! Figures of a mode taken out of a record: the record, its spectrum, and what the methods found.
+//! Figures of a mode extracted from a record: the record, its spectrum, and amplitude, frequency and damping by each method.
 
 use iwan_ident::curves::Line;
 use iwan_ident::signal::{Envelope, Method, amplitude_spectrum};
@@ -9,16 +9,17 @@ use crate::page::figure::{Axis, DEVIATIONS, Figure, Layer, Mark, Marker, colour}
 use crate::page::heat::HeatMap;
 use crate::records::{Extraction, Units};
 
-/// Points of a curve, at most: four for every five units of the plane's width. More are not seen.
+/// Most points of a curve: four for every five units of the plane's width. More could not be told apart.
 const CURVE: usize = 400;
-/// Stretches of a spectrum, of each of which the highest line is drawn: a narrow peak between them is not lost, so that nearly
-/// two for each unit of the plane are enough.
+/// Stretches into which a spectrum is cut; the highest line of each is drawn, so that a narrow peak is not lost. Nearly two for each unit of the
+/// plane's width are enough.
 const LINES: usize = 900;
-/// The spectrum in the band is drawn from this multiple of the band's lower edge, so that a neighbouring mode is seen beside it.
+/// The spectrum near the band is drawn from this multiple of the band's lower edge, so that a neighbouring mode is visible.
 const FROM: f64 = 0.6;
-/// It is drawn up to this multiple of the upper edge.
+/// The spectrum near the band is drawn up to this multiple of the band's upper edge.
 const TO: f64 = 1.6;
-/// Lines of that spectrum below this part of the highest are the filter's stop band: they would press the peak together.
+/// Spectral lines below this part of the highest one are not drawn: they belong to the filter's stop band, and an axis that held them would flatten
+/// the peak.
 const FLOOR: f64 = 1e-5;
 
 /// A mode and the units of its record.
@@ -28,7 +29,7 @@ pub(crate) struct Extracted<'a> {
     pub(crate) units: &'a Units,
 }
 
-/// How a method is drawn.
+/// The mark and colour of a method's curves.
 fn style(method: Method) -> (Mark, &'static str) {
     match method {
         Method::Hilbert => (Mark::Line, colour::BLUE),
@@ -39,17 +40,17 @@ fn style(method: Method) -> (Mark, &'static str) {
     }
 }
 
-/// A quantity of an envelope as it is drawn.
+/// A quantity of an envelope with the axis on which it is drawn.
 struct Quantity {
     axis: Axis,
-    /// At an index of the envelope.
+    /// Value of the quantity at an index of the envelope.
     value: fn(&Envelope, usize) -> f64,
-    /// Its standard deviation there, where a pale band is drawn around it.
+    /// Standard deviation of the quantity at that index; where it is given, a pale band is drawn around the curve.
     sd: Option<fn(&Envelope, usize) -> f64>,
 }
 
 impl Extracted<'_> {
-    /// The record as it is and as it passed the filter.
+    /// The record as measured and after the band-pass filter.
     pub(crate) fn record(&self) -> Figure {
         let (x, dt, start) = (self.x, self.x.isolated.dt, self.x.start);
         let shifted = |samples: &[f64]| -> Vec<(f64, f64)> {
@@ -78,13 +79,13 @@ impl Extracted<'_> {
         if log { Axis::log(label, &self.units.samples) } else { Axis::linear(label, &self.units.samples) }
     }
 
-    /// The spectrum over time with the edges of the band; none where the record is too short for one.
+    /// The spectrogram with the edges of the band; none where the record is too short for it.
     pub(crate) fn over_time(&self) -> Option<HeatMap> {
         let Extraction { samples, isolated, start, .. } = self.x;
         picture(samples, isolated.dt, *start, Some(isolated.band))
     }
 
-    /// The spectrum of the whole record with the band, and the band by itself.
+    /// The spectrum of the whole record with the band marked, and the spectrum near the band.
     pub(crate) fn spectra(&self) -> Vec<Figure> {
         let (x, band) = (self.x, self.x.isolated.band);
         let spectrum = |samples: &[f64]| -> Vec<(f64, f64)> {
@@ -132,7 +133,7 @@ impl Extracted<'_> {
         ]
     }
 
-    /// Amplitude, frequency and damping against time by all methods, the last two against amplitude as well.
+    /// Amplitude, frequency and damping against time by all methods; frequency and damping also against amplitude.
     pub(crate) fn methods(&self) -> Vec<Figure> {
         let label = format!("amplitude of {}", self.units.quantity);
         let level = || Quantity {
@@ -176,7 +177,7 @@ impl Extracted<'_> {
         ]
     }
 
-    /// The damping ratio by each method less the mean over all of them, at the times at which every method gives one.
+    /// The damping ratio by each method minus the mean over all methods, at the times at which every method gives a value.
     pub(crate) fn disagreement(&self) -> Figure {
         let (all, start) = (&self.x.opinions.envelopes, self.x.start);
         let mean = |t: f64| -> Option<f64> {
@@ -200,7 +201,7 @@ impl Extracted<'_> {
         }
     }
 
-    /// A quantity by all methods, over time or over another quantity.
+    /// A quantity by all methods, against time or, where `over` is given, against another quantity.
     fn figure(&self, title: &str, caption: &str, over: Option<Quantity>, shown: Quantity) -> Figure {
         let start = self.x.start;
         let abscissa =
@@ -226,7 +227,7 @@ impl Extracted<'_> {
         Figure { title: title.into(), caption: caption.into(), x, y: shown.axis, layers, marker: None }
     }
 
-    /// Energy lost in a cycle against force, with the straight line through it.
+    /// Energy dissipated per cycle against force, with the fitted power law, a straight line on logarithmic axes.
     pub(crate) fn dissipation(&self) -> Figure {
         let c = &self.x.curves;
         let points: Vec<(f64, f64)> = c.force.iter().copied().zip(c.dissipation.iter().copied()).collect();
@@ -255,7 +256,7 @@ impl Extracted<'_> {
     }
 }
 
-/// The area of a band, as high as the points.
+/// A pale area over the frequency band, from the lowest to the highest of the points.
 fn pale((low, high): (f64, f64), points: &[(f64, f64)]) -> Layer {
     let positive = points.iter().map(|p| p.1).filter(|y| *y > 0.0);
     let (bottom, top) = positive.fold((f64::INFINITY, 0.0_f64), |e, y| (e.0.min(y), e.1.max(y)));

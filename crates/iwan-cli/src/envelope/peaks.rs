@@ -1,4 +1,4 @@
-//! `iwan envelope --peaks`: the peaks of the spectrum, before any mode is taken out.
+//! `iwan envelope --peaks`: the peaks of the spectrum of the record, listed before any mode is extracted.
 
 use std::fmt::Write;
 
@@ -19,7 +19,7 @@ use crate::session::{PAGE, SUMMARY, Session, Summary};
 #[derive(Debug, Clone, Serialize)]
 struct PeakSummary {
     record: RecordSummary,
-    /// By frequency.
+    /// The peaks in ascending frequency.
     peaks: Vec<Peak>,
     warnings: Vec<String>,
 }
@@ -27,15 +27,15 @@ struct PeakSummary {
 /// One peak.
 #[derive(Debug, Clone, Copy, Serialize)]
 struct Peak {
-    /// Hz.
+    /// Frequency of the peak, Hz.
     frequency: f64,
-    /// Over that of the highest one.
+    /// Height of the peak over the height of the highest peak.
     height: f64,
     /// Width at half its power, Hz; null where a neighbour hides it.
     width: Option<f64>,
-    /// That of a linear mode with a peak of that width; null where the record is too short to tell.
+    /// Damping ratio of a linear mode whose peak had this width; null where the record is too short to resolve it.
     damping_ratio: Option<f64>,
-    /// Height over the higher of the valleys beside it.
+    /// Height of the peak over the higher of the two minima of the spectrum beside it.
     prominence: f64,
 }
 
@@ -47,7 +47,7 @@ impl From<SpectralPeak> for Peak {
 }
 
 impl Peak {
-    /// Its cells in a table.
+    /// The values of the peak as cells of a table.
     fn cells(&self) -> [String; 5] {
         let or_dash = |text: Option<String>| text.unwrap_or_else(|| "-".into());
         [
@@ -60,11 +60,11 @@ impl Peak {
     }
 }
 
-/// Peaks in the text, the highest: a screen holds no more, and the files have them all.
+/// Peaks in the text on the terminal, the highest ones: a screen holds no more, and the files hold all.
 const SHOWN: usize = 20;
-/// Heads of the table.
+/// Headings of the table.
 const HEADS: [&str; 5] = ["frequency, Hz", "height", "width, Hz", "damping ratio, %", "prominence"];
-/// What the table means.
+/// Explanation of the columns below the table.
 const MEANING: &str = "Height over that of the highest peak; width at half the power; the damping ratio of a linear mode with a peak as wide, \
     which a frequency that changes with amplitude makes too large; height over the valleys beside it.";
 
@@ -117,7 +117,7 @@ pub(super) fn run(args: &EnvelopeArgs, recording: &Recording) -> Result<(), Fail
     session.finish(&summary)
 }
 
-/// The columns of the table; NaN where there is no value.
+/// The columns of the table; NaN stands where a peak has no value.
 fn columns(peaks: &[Peak]) -> Vec<(&'static str, Vec<f64>)> {
     let column = |of: fn(&Peak) -> f64| peaks.iter().map(of).collect::<Vec<f64>>();
     vec![

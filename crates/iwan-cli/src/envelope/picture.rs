@@ -5,17 +5,17 @@ use iwan_ident::signal::{Band, spectral_peaks, spectrogram};
 use crate::page::figure::Axis;
 use crate::page::heat::HeatMap;
 
-/// Cells along the time: nearly one for every two units of the plane's width.
+/// Cells along the time axis: nearly one for every two units of the plane's width.
 const TIMES: usize = 200;
-/// Cells along the frequency: one for every two units of the plane's height.
+/// Cells along the frequency axis: one for every two units of the plane's height.
 const CELLS: usize = 120;
-/// Without a band the picture ends at this multiple of the frequency of the highest peak that is …
+/// Without a band, the picture ends at this multiple of the frequency of the highest-frequency peak that reaches …
 const BEYOND: f64 = 1.3;
-/// … of this part of the height of the highest one: what is above has nothing to show.
+/// … this part of the height of the highest peak: above it the picture would be empty.
 const SEEN: f64 = 0.03;
-/// With a band it ends at this multiple of its upper edge at least, so that neighbours are seen.
+/// With a band, the picture ends at this multiple of the band's upper edge (or at half the sampling rate), so that neighbours are visible.
 const AROUND: f64 = 2.5;
-/// Decibels at the light end, as the spectrogram has them.
+/// Level at the light end of the shades, dB below the largest value: the floor of the spectrogram itself.
 const FLOOR: f64 = -80.0;
 
 /// The spectrogram of samples every `dt` seconds from `start` (s); none where the record is too short for one.

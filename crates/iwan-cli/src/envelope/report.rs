@@ -23,7 +23,7 @@ pub(super) fn render(extractions: &[Extraction], summary: &EnvelopeSummary, unit
     page(&format!("{} \u{2013} iwan envelope", record.name()), &body)
 }
 
-/// What the units are.
+/// A paragraph that says in which units the values are.
 pub(crate) fn units(units: &Units) -> Markup {
     html! {
         p.about {
@@ -55,7 +55,7 @@ fn mode(n: usize, x: &Extraction, summary: &EnvelopeSummary, units: &Units) -> M
     }
 }
 
-/// Agreement in words, and what was done.
+/// How well the methods agree, in words, and the notes on what was done.
 fn verdict(x: &Extraction) -> Markup {
     let good =
         x.opinions.spread.is_some_and(|s| s.median_damping_ratio < FAIRLY) && x.opinions.refused.is_empty();
@@ -73,7 +73,7 @@ fn verdict(x: &Extraction) -> Markup {
     }
 }
 
-/// With a capital letter and a full stop.
+/// The words as a sentence: with a capital letter and a full stop.
 fn sentence(words: &str) -> String {
     let mut letters = words.chars();
     let first = letters.next().map(|c| c.to_uppercase().to_string()).unwrap_or_default();

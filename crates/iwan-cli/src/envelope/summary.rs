@@ -1,4 +1,4 @@
-//! What an extraction says about itself: `summary.json` and the text on the terminal.
+//! The summary of an extraction: `summary.json` and the text on the terminal.
 
 use std::fmt::Write;
 use std::path::Path;
@@ -11,19 +11,18 @@ use crate::page::numbers::short;
 use crate::records::{Extraction, Recording, Units};
 use crate::session::Summary;
 
-/// Rows of the table in the text: both ends of the window and five times between them, evenly spaced. What the terminal shows
-/// is a glance; the table of the envelope has every sample.
+/// Rows of the table on the terminal: both ends of the trusted window and five times evenly spaced between them. The table file holds every sample.
 const ROWS: usize = 7;
 
-/// Channels that are all named; of more the first two and the last are.
+/// Up to this many channels are all named in the text; of more, the first two and the last are named.
 const MOST_NAMED: usize = 8;
 
-/// Methods whose damping ratios differ by less than this at half of the times agree well: on measured ring-downs with
-/// little noise they differ by 0.003 to 0.006.
+/// Methods whose damping ratios differ by less than this, relatively, at half of the times agree well: on measured ring-downs with little noise they
+/// differ by 0.003 to 0.006.
 const WELL: f64 = 0.01;
 
-/// Up to this they agree fairly; beyond it the page asks for a look: on modes that sink into noise while they are followed
-/// they differ by 0.04 to 0.06. Both limits are a matter of judgement.
+/// Methods that differ by less than this agree fairly; where they differ by more, the page asks the user to look at the record: on modes that sink
+/// into noise within the trusted window the methods differ by 0.04 to 0.06. Both limits are a matter of judgement.
 pub(super) const FAIRLY: f64 = 0.05;
 
 /// The summary.
@@ -31,18 +30,18 @@ pub(super) const FAIRLY: f64 = 0.05;
 pub(crate) struct EnvelopeSummary {
     pub(crate) record: RecordSummary,
     pub(crate) modes: Vec<ModeEnvelope>,
-    /// What the reader of the record noticed: said before anything is computed.
+    /// What the reader of the record noticed; these warnings are given before anything is computed.
     pub(crate) warnings: Vec<String>,
 }
 
-/// A record in short.
+/// A record in brief.
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct RecordSummary {
     pub(crate) file: String,
     pub(crate) channels: Vec<String>,
     pub(crate) quantity: &'static str,
     pub(crate) unit: String,
-    /// Hz.
+    /// Sampling rate, Hz.
     pub(crate) rate: f64,
     pub(crate) samples: usize,
     /// Time of the first sample, s.
@@ -56,7 +55,7 @@ pub(crate) struct ModeEnvelope {
     /// Band and spectral peak, Hz.
     pub(crate) band: BandSummary,
     pub(crate) method: &'static str,
-    /// Degree of the polynomial or number of intervals.
+    /// Degree of the method's polynomial, or number of intervals of its spline.
     pub(crate) order: usize,
     /// Start and end of the trusted window on the record's time axis, s.
     pub(crate) window: (f64, f64),
@@ -66,7 +65,7 @@ pub(crate) struct ModeEnvelope {
     /// Values at both ends of the window.
     pub(crate) first: Point,
     pub(crate) last: Point,
-    /// A few points on the way.
+    /// Seven points from the first to the last, for the table on the terminal.
     pub(crate) points: Vec<Point>,
     /// How far the methods disagree; null when there is only one.
     pub(crate) spread: Option<SpreadSummary>,
@@ -75,7 +74,7 @@ pub(crate) struct ModeEnvelope {
     pub(crate) notes: Vec<String>,
 }
 
-/// Edges and peak, Hz.
+/// Lower and upper edge of the band and the spectral peak in it, Hz.
 #[derive(Debug, Clone, Copy, Serialize)]
 pub(crate) struct BandSummary {
     pub(crate) low: f64,
@@ -84,7 +83,7 @@ pub(crate) struct BandSummary {
     pub(crate) automatic: bool,
 }
 
-/// The mode at a time.
+/// Amplitude, frequency and damping of the mode at one time.
 #[derive(Debug, Clone, Copy, Serialize)]
 pub(crate) struct Point {
     pub(crate) t: f64,
@@ -93,23 +92,23 @@ pub(crate) struct Point {
     pub(crate) damping_ratio: f64,
 }
 
-/// Largest differences between the methods.
+/// Largest differences between the methods over their common window.
 #[derive(Debug, Clone, Copy, Serialize)]
 pub(crate) struct SpreadSummary {
-    /// Window that all methods trust, s.
+    /// Window that all methods trust: start and end, s.
     pub(crate) window: (f64, f64),
-    /// Relative.
+    /// Largest relative difference of the amplitude.
     pub(crate) amplitude: f64,
-    /// Hz.
+    /// Largest difference of the frequency, Hz.
     pub(crate) frequency: f64,
-    /// Relative.
+    /// Largest relative difference of the damping ratio.
     pub(crate) damping_ratio: f64,
-    /// Relative, median over time.
+    /// Median over time of the relative difference of the damping ratio.
     pub(crate) median_damping_ratio: f64,
 }
 
 impl EnvelopeSummary {
-    /// Of the modes of a record.
+    /// Makes the summary of the modes extracted from a record.
     pub(crate) fn new(recording: &Recording, extractions: &[Extraction], units: &Units) -> Self {
         Self {
             record: RecordSummary::new(recording, units),
@@ -128,7 +127,7 @@ impl Summary for EnvelopeSummary {
 }
 
 impl RecordSummary {
-    /// Of a recording.
+    /// Makes the brief description of a recording.
     pub(crate) fn new(recording: &Recording, units: &Units) -> Self {
         let record = &recording.record;
         Self {
@@ -147,7 +146,7 @@ impl RecordSummary {
         Path::new(&self.file).file_name().and_then(|n| n.to_str()).unwrap_or(&self.file)
     }
 
-    /// In a line or two.
+    /// The description of the record as one or two lines of text.
     pub(crate) fn text(&self) -> String {
         let unit = if self.unit.is_empty() { String::new() } else { format!(" in {}", self.unit) };
         let (file, samples, rate) = (&self.file, self.samples, short(self.rate));
@@ -201,7 +200,7 @@ impl ModeEnvelope {
         })
     }
 
-    /// Writing to a string cannot fail.
+    /// Appends the text on the mode. Writing to a string cannot fail.
     fn write(&self, text: &mut String) {
         let (band, (from, to)) = (self.band, self.window);
         let _ = writeln!(
@@ -237,7 +236,7 @@ impl ModeEnvelope {
     }
 }
 
-/// What was done, what a method refused and how far the methods agree.
+/// Notes on what was done, which methods could not be used and why, and how far the methods agree.
 fn notes(x: &Extraction) -> Vec<String> {
     let refused =
         x.opinions.refused.iter().map(|r| format!("{} could not be used: {}", r.method.name(), r.error));
@@ -252,7 +251,7 @@ pub(crate) fn agreement(spread: &Spread) -> String {
         d if d < FAIRLY => "the methods agree fairly",
         _ => "the methods disagree: trust the damping to that extent only",
     };
-    // Of a damping of next to nothing any difference is many times as much.
+    // Where the damping is next to nothing, a relative difference means nothing: above 100 % no figure is given.
     let percent = |x: f64| if x > 1.0 { "more than 100 %".into() } else { format!("{:.2} %", 100.0 * x) };
     format!(
         "{verdict}: they differ by {} in damping at half of the times and by {} at most, by {:.4} Hz in \

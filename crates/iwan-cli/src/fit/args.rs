@@ -106,7 +106,7 @@ impl FitArgs {
     }
 }
 
-/// `NAME=VALUE` of a parameter.
+/// Reads `NAME=VALUE` as a parameter and the value at which it is held.
 fn held(text: &str) -> Result<(Parameter, f64), String> {
     let names = Parameter::ALL.map(Parameter::name).join(", ");
     let wrong = || format!("must be NAME=VALUE with one of {names}");

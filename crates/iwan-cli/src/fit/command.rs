@@ -21,16 +21,16 @@ use crate::records::{self, Extraction, Recording, Units, Wanted};
 use crate::session::{PAGE, SUMMARY, Session};
 use crate::simulate::response_columns;
 
-/// The whole summary, with curves and densities; `summary.json` leaves the long lists out.
+/// File with the whole summary, curves and densities included; `summary.json` leaves out these long lists.
 const WHOLE: &str = "fit.json";
-/// The fit as a scenario.
+/// File with the fitted Iwan joint as a scenario.
 const SCENARIO: &str = "scenario.toml";
-/// The chosen law as a scenario, where that is not the Iwan joint.
+/// File with the chosen law as a scenario, written where that law is not the Iwan joint.
 const LAW: &str = "scenario-law.toml";
-/// The curves as a scenario.
+/// File with the curves (frequency and damping against amplitude) as a scenario.
 const CURVES: &str = "scenario-curves.toml";
 
-/// Name of the law of the records' own fit.
+/// Name, in the table of laws, of the four-parameter Iwan joint that is fitted to the records.
 const IWAN: &str = "iwan";
 
 /// Runs the command.
@@ -90,7 +90,7 @@ pub(crate) fn run(mut args: FitArgs) -> Result<(), Failure> {
     session.finish(&summary)
 }
 
-/// The ring-downs that are fitted together with sweeps.
+/// Reads and identifies the ring-downs that are fitted together with sweeps; none where no record is given.
 fn ring_downs(args: &FitArgs, session: &mut Session) -> Result<Option<RingDowns>, Failure> {
     if args.fit.is_empty() {
         return Ok(None);
@@ -113,7 +113,7 @@ fn ring_downs(args: &FitArgs, session: &mut Session) -> Result<Option<RingDowns>
     }))
 }
 
-/// Writes the chosen laws as a scenario where one of them is not the Iwan joint, and the curves where every mode has them.
+/// Writes the chosen laws as a scenario where one of them is not the Iwan joint, and the curves as a scenario where every mode has curves.
 fn write_others(
     session: &mut Session,
     identified: &[Identified],
@@ -143,7 +143,7 @@ fn failed(error: &dyn std::fmt::Display) -> Failure {
     Failure::computation(error.to_string())
 }
 
-/// Identifies every mode. That takes up to a hundred thousand ring-downs, so that it runs beside the main thread, which watches for
+/// Identifies every mode. An identification computes up to a hundred thousand ring-downs; it therefore runs beside the main thread, which watches for
 /// Ctrl-C.
 fn identify_all(
     recordings: &[Recording],
@@ -170,7 +170,7 @@ fn identify_all(
     session.busy("identifying").wait(work)?
 }
 
-/// Writes what `iwan simulate` makes of the scenario.
+/// Simulates the scenario and writes the response, as `iwan simulate` would.
 fn write_response(
     session: &mut Session,
     scenario: &Scenario,
@@ -185,7 +185,7 @@ fn write_response(
     session.table(name, &table, args.format)
 }
 
-/// The columns of the curves: all modes and records below each other, told apart by their numbers.
+/// The columns of the curves: modes and records stand below each other, told apart by their numbers.
 fn curve_columns(identified: &[Identified]) -> Vec<(&'static str, Vec<f64>)> {
     const NAMES: [&str; 12] = [
         "mode",

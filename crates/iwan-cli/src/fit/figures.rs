@@ -13,20 +13,20 @@ use crate::page::decimate::{STRETCHES, history, thin};
 use crate::page::figure::{Axis, DEVIATIONS, Figure, Layer, Mark, Marker, colour};
 use crate::records::Units;
 
-/// Points of a curve, at most: two for every three units of the plane; of dots a quarter of that, so that they stay apart.
+/// Most points of a curve: two for every three units of the plane's width. Of dots a quarter of that, so that they do not touch.
 const CURVE: usize = 300;
-/// Cycles in a close view: 40 units of the plane each, so that a twentieth of a cycle between record and model is seen.
+/// Cycles in a close view: each takes 40 units of the plane, so that a shift of a twentieth of a cycle between record and model is visible.
 const CYCLES: f64 = 12.0;
-/// How far closed forms run beyond the amplitudes seen, as a ratio to either side. From 1.2 to 3 does as well.
+/// Closed forms are drawn beyond the measured amplitudes by this ratio on either side. Ratios from 1.2 to 3 do as well.
 const BEYOND: f64 = 1.5;
-/// Deviances are drawn up to this multiple of the limit: the interval, where the curve is below the limit, takes half the width
-/// of a parabola then.
+/// Deviances are drawn up to this multiple of the 95 % limit. The interval, where the curve is below the limit, then takes half the width of a
+/// parabola.
 const HIGHEST: f64 = 4.0;
-/// A parameter whose profile spans more than this ratio is drawn on a logarithmic axis, on which an interval that is open
-/// above does not press the rest to the left rim. From 3 to 10 does as well.
+/// A parameter whose profile spans more than this ratio is drawn on a logarithmic axis; on a linear one, an interval that is open above would squeeze
+/// the rest against the left edge. Limits from 3 to 10 do as well.
 const WIDE: f64 = 5.0;
-/// Densities below this part of the largest in the informed range are not drawn: a free-form density may go to nothing between
-/// its bumps, and three decades are enough to compare the bumps.
+/// Densities below this part of the largest one in the informed range are not drawn: a free-form density may vanish between its peaks, and three
+/// decades are enough to compare the peaks.
 const FAINT: f64 = 1e-3;
 /// Colours of records, in turn; a fifth record has the first colour again.
 const RECORDS: [&str; 4] = [colour::BLUE, colour::GREEN, colour::PURPLE, colour::ORANGE];
@@ -38,7 +38,7 @@ pub(super) struct Fitted<'a> {
     pub(super) units: &'a Units,
 }
 
-/// A quantity of curves at an index.
+/// A quantity of the curves at a given index.
 type Value = fn(&Curves, usize) -> f64;
 
 /// One panel of curves over amplitude or force.
@@ -47,11 +47,11 @@ struct Panel {
     caption: String,
     x: Axis,
     y: Axis,
-    /// On the axis of x.
+    /// Quantity on the axis of x.
     over: Value,
-    /// On the axis of y.
+    /// Quantity on the axis of y.
     value: Value,
-    /// Lower and upper edge of the pale band: what the curve may be wrong by, at 95 %.
+    /// Lower and upper edge of the pale band: the 95 % uncertainty of the curve.
     edges: fn(&Curves, usize) -> (f64, f64),
 }
 
@@ -60,7 +60,7 @@ impl Fitted<'_> {
         &self.i.found.parameters
     }
 
-    /// Behind the title of a figure, where there are several records.
+    /// Number of the record for the title of a figure; empty where there is one record only.
     fn suffix(&self, n: usize) -> String {
         if self.i.extractions.len() == 1 { String::new() } else { format!(", record {}", n + 1) }
     }
@@ -70,7 +70,7 @@ impl Fitted<'_> {
         if self.i.extractions.len() == 1 { "record".into() } else { format!("record {}", n + 1) }
     }
 
-    /// Record and model over all time, at the start and at the end, and what is left over.
+    /// Record and model over the whole time, at the start and at the end, and their difference.
     pub(super) fn comparison(&self, n: usize) -> Vec<Figure> {
         let c = &self.i.comparisons[n];
         let seconds = CYCLES / self.parameters().frequency;
@@ -217,7 +217,7 @@ impl Fitted<'_> {
         }
     }
 
-    /// The figure of dissipation with friction and viscous damping by themselves.
+    /// Adds to the figure of dissipation the part of the joint's friction and the part of the viscous damper.
     fn with_parts(&self, mut figure: Figure) -> Figure {
         let p = self.parameters();
         let Ok((_, joint)) = p.model() else { return figure };
@@ -242,7 +242,7 @@ impl Fitted<'_> {
         figure
     }
 
-    /// Amplitudes from the smallest to the largest seen, and a little beyond.
+    /// Amplitudes from the smallest to the largest measured, extended by [`BEYOND`] on either side.
     fn amplitudes(&self) -> Vec<f64> {
         let all = self.i.curves.iter().flat_map(|c| c.displacement.iter().copied());
         let (low, high) = all.fold((f64::INFINITY, 0.0_f64), |e, u| (e.0.min(u), e.1.max(u)));
@@ -250,7 +250,7 @@ impl Fitted<'_> {
         (0..CURVE).map(|k| low / BEYOND * ratio.powf(k as f64 / (CURVE - 1) as f64)).collect()
     }
 
-    /// The identified densities.
+    /// The identified densities of slider strengths, parametric and free-form.
     pub(super) fn density(&self) -> Option<Figure> {
         let (_, joint) = self.parameters().model().ok()?;
         let informed = self.i.densities.first()?.informed;
@@ -306,7 +306,7 @@ impl Fitted<'_> {
         })
     }
 
-    /// Profile likelihood of each parameter that was sought.
+    /// The profile likelihood of each parameter that was not held.
     pub(super) fn profiles(&self) -> Vec<Figure> {
         let profiles = &self.i.found.profiles;
         profiles.parameters.iter().filter(|p| !p.held).map(|p| self.profile(p, profiles.limit)).collect()
@@ -348,10 +348,10 @@ impl Fitted<'_> {
     }
 }
 
-/// Points between those of a profile. The signed root of the deviance is interpolated linearly, so that a parabola, which
-/// a profile is near its minimum, is drawn as one.
+/// Interpolates between the points of a profile. The signed root of the deviance is interpolated linearly, so that a parabola, which a profile
+/// resembles near its minimum, is drawn as a parabola.
 fn between(points: &[(f64, f64)], best: f64) -> Vec<(f64, f64)> {
-    // Twelve straight pieces between two points of a profile look like the parabola they stand for.
+    // Twelve straight pieces between two points of a profile cannot be told from the parabola.
     const STEPS: u32 = 12;
     let root = |p: &(f64, f64)| p.1.max(0.0).sqrt().copysign(p.0 - best);
     let inner = |pair: &[(f64, f64)]| {

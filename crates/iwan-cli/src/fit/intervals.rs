@@ -1,4 +1,4 @@
-//! The 95 % intervals as a picture: bars relative to the best value, open ends as arrows.
+//! The 95 % intervals as a picture: bars relative to the best value; open ends are arrows.
 
 use maud::{Markup, html};
 
@@ -6,31 +6,31 @@ use super::joint::{Estimate, JointFit, interval};
 use crate::page::figure::colour;
 use crate::page::numbers::long;
 
-/// Width of the picture, in units that are nearly pixels: nearly the whole width of a page (1200).
+/// Width of the picture, in units of nearly a pixel: nearly the whole width of a page (1200).
 const WIDTH: f64 = 1180.0;
-/// Height of a parameter's row: letters 13 high and an arrow 14 high, with as much between rows.
+/// Height of a parameter's row: text 13 high or an arrow 14 high, and the gap to the next row as much again.
 const ROW: f64 = 34.0;
-/// Where names end.
+/// Right end of the column of names.
 const NAMES: f64 = 200.0;
-/// Where values end: seven digits and an exponent.
+/// Right end of the column of values: seven digits and an exponent fit.
 const VALUES: f64 = 330.0;
-/// Where bars begin, and where they end; the interval as text stands behind them.
+/// Left and right end of the bars; the interval as text stands to the right of them.
 const LEFT: f64 = 350.0;
 const RIGHT: f64 = 800.0;
-/// The widest scale as ln of the ratio to the best value, a factor of ten to either side: an end beyond it is drawn at the
-/// rim and told as text.
+/// Widest scale, as ln of the ratio to the best value: a factor of ten to either side. An end beyond it is drawn at the edge, and its value stands in
+/// the text.
 const WIDEST: f64 = std::f64::consts::LN_10;
-/// The narrowest scale, one per cent to either side: narrower ones would show the rounding of their own ticks (four digits).
+/// Narrowest scale, one per cent to either side: on a narrower one the rounding of the tick labels (four digits) would show.
 const NARROWEST: f64 = 0.01;
 
 /// An end of a bar.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum End {
-    /// ln of the ratio to the best value, within the scale.
+    /// Position within the scale: ln of the ratio to the best value.
     At(f64),
     /// Closed, but beyond the scale.
     Beyond,
-    /// No bound.
+    /// Open: the data do not bound the parameter on this side.
     Open,
 }
 
@@ -62,13 +62,13 @@ pub(super) fn draw(joint: &JointFit) -> Markup {
     }
 }
 
-/// ln of the ratio of a bound to the value.
+/// ln of the ratio of a bound to the best value; for χ, which is negative, of χ + 1.
 fn ratio(e: &Estimate, bound: f64, chi: bool) -> f64 {
     let shift = if chi { 1.0 } else { 0.0 };
     ((bound + shift) / (e.value + shift)).ln()
 }
 
-/// How far the scale reaches: the farthest closed end, within limits.
+/// How far the scale reaches, as ln of a ratio: to the farthest closed end, between `NARROWEST` and `WIDEST`.
 fn reach(joint: &JointFit) -> f64 {
     let ends = joint.rows().into_iter().flat_map(|(label, e)| {
         [e.low, e.high].into_iter().flatten().map(move |bound| ratio(e, bound, label == "chi").abs())

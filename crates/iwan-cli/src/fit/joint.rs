@@ -1,4 +1,4 @@
-//! A joint with a viscous damper as a fit found it, of ring-downs and of a shaker's test alike.
+//! A joint with a viscous damper as a fit found it, from ring-downs or from a shaker's test.
 
 use std::fmt::Write;
 
@@ -9,7 +9,7 @@ use serde::Serialize;
 
 use crate::page::numbers::{self, long, short};
 
-/// A parameter with its 95 % interval: null is open.
+/// A parameter with its 95 % interval; null is an open end.
 #[derive(Debug, Clone, Copy, Serialize)]
 pub(crate) struct Estimate {
     pub(crate) value: f64,
@@ -19,7 +19,7 @@ pub(crate) struct Estimate {
     pub(crate) held: bool,
 }
 
-/// The parameters of a mode, and how well one joint tells what was measured.
+/// The parameters of a mode, and how well a model with one joint agrees with the measurements.
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct JointFit {
     pub(crate) name: String,
@@ -29,15 +29,15 @@ pub(crate) struct JointFit {
     pub(crate) f_s: Estimate,
     pub(crate) chi: Estimate,
     pub(crate) beta: Estimate,
-    /// Onset of macro-slip by these parameters.
+    /// Displacement amplitude φ_max at the onset of macro-slip by these parameters.
     pub(crate) phi_max: f64,
-    /// Largest amplitude over φ_max.
+    /// Largest measured amplitude over φ_max.
     pub(crate) slip_ratio: f64,
     pub(crate) adequate: bool,
     /// `matches`, `usable` or `no`.
     pub(crate) grade: &'static str,
     pub(crate) misfit: String,
-    /// Root-mean-square misfits: of ln D, and of the frequency in Hz beside its measured shift.
+    /// Root-mean-square misfits of ln D (D: dissipation per cycle) and of the frequency in Hz; beside them the measured frequency shift, Hz.
     pub(crate) dissipation_misfit: f64,
     pub(crate) frequency_misfit: f64,
     pub(crate) frequency_shift: f64,
@@ -61,7 +61,7 @@ pub(crate) fn interval(e: &Estimate) -> String {
 }
 
 impl JointFit {
-    /// Of the best parameters; `largest` is the largest amplitude that was measured.
+    /// Makes the summary from the best parameters; `largest` is the largest measured amplitude.
     pub(crate) fn new(
         name: &str,
         parameters: &Parameters,
@@ -89,7 +89,7 @@ impl JointFit {
         }
     }
 
-    /// The parameters by their names in tables, in the order of these.
+    /// The parameters with their names in tables, in the order of the tables.
     pub(crate) fn rows(&self) -> [(&'static str, &Estimate); 6] {
         [
             ("frequency, Hz", &self.frequency),
@@ -101,7 +101,7 @@ impl JointFit {
         ]
     }
 
-    /// The grade in words.
+    /// The grade in words: whether the model matches, is usable or does not match.
     pub(crate) fn verdict(&self) -> &'static str {
         match self.grade {
             "matches" => "the model matches",
@@ -110,7 +110,7 @@ impl JointFit {
         }
     }
 
-    /// The grade in a sentence about what was measured: `these records`.
+    /// The grade as a sentence about the data, which `measured` names, such as `these records`.
     pub(crate) fn sentence(&self, measured: &str) -> String {
         let says = match self.grade {
             "matches" => format!("matches {measured}"),
@@ -120,7 +120,7 @@ impl JointFit {
         format!("One four-parameter Iwan joint with a viscous damper {says}.")
     }
 
-    /// The table on the terminal. Writing to a string cannot fail.
+    /// Appends the table for the terminal. Writing to a string cannot fail.
     pub(crate) fn write(&self, text: &mut String) {
         let _ = writeln!(text, "{:<24}{:>14}   95 % interval", "parameter", "value");
         for (label, e) in self.rows() {
@@ -130,7 +130,7 @@ impl JointFit {
         let _ = writeln!(text, "{:<24}{phi_max:>14}   largest amplitude / phi_max = {ratio}", "phi_max");
     }
 
-    /// The table on a page, with further rows.
+    /// The table for a page, followed by the `further` rows.
     pub(crate) fn table(&self, further: &[(&str, String)]) -> Markup {
         html! {
             div.wide { table {

@@ -1,4 +1,4 @@
-//! Laws beside one Iwan joint, as a fit tells of them.
+//! Summaries of the laws that a fit compares with one Iwan joint.
 
 use std::fmt::Write;
 
@@ -7,10 +7,10 @@ use serde::Serialize;
 
 use crate::page::numbers::{interval, long};
 
-/// Name of the curves where a law can be asked for.
+/// Name by which `--law` asks for the smooth curves in place of a law.
 pub(crate) const BY_CURVES: &str = "curves";
 
-/// Whether a name is that of a law, or of the curves.
+/// Checks that a name is that of a law, or of the curves.
 pub(crate) fn named(text: &str) -> Result<String, String> {
     let names = CANDIDATES.iter().map(|c| c.name).chain([BY_CURVES]);
     if names.clone().any(|name| name == text) {
@@ -19,26 +19,27 @@ pub(crate) fn named(text: &str) -> Result<String, String> {
     Err(format!("must be one of {}", names.collect::<Vec<_>>().join(", ")))
 }
 
-/// One law.
+/// One law that was compared.
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct LawSummary {
     pub(crate) name: &'static str,
-    /// Twice the negative logarithm of the evidence, less that of the best.
+    /// Twice the negative logarithm of the evidence, minus that of the best law: 0 for the best, larger for worse.
     pub(crate) criterion: f64,
     pub(crate) dissipation_misfit: f64,
     pub(crate) frequency_misfit: f64,
-    /// What it misses of thirds of the amplitudes that it was not fitted to, of ln D and Hz: null where the records saw too few.
+    /// Root-mean-square misfits of ln D and of the frequency (Hz) over thirds of the amplitudes, each third predicted by the law as fitted to the other
+    /// two; null where the records cover too few amplitudes.
     pub(crate) held_out_dissipation: Option<f64>,
     pub(crate) held_out_frequency: Option<f64>,
-    /// What it misses beside noise, as estimated with it (standard deviations): of dissipation, relative, …
+    /// Standard deviation of the law's own error in dissipation beside the noise, relative, as estimated in the fit, …
     pub(crate) dissipation_discrepancy: f64,
-    /// … and of the frequency, Hz.
+    /// … and standard deviation of its error in frequency, Hz.
     pub(crate) frequency_discrepancy: f64,
     pub(crate) grade: &'static str,
     pub(crate) parameters: Vec<ParameterSummary>,
 }
 
-/// A parameter of a law with its 95 % interval: null is open.
+/// A parameter of a law with its 95 % interval; null is an open end.
 #[derive(Debug, Clone, Copy, Serialize)]
 pub(crate) struct ParameterSummary {
     pub(crate) name: &'static str,
@@ -47,7 +48,7 @@ pub(crate) struct ParameterSummary {
     pub(crate) high: Option<f64>,
 }
 
-/// Smooth curves with bands.
+/// Smooth curves of frequency and damping ratio against amplitude, with bands.
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct BackboneSummary {
     pub(crate) amplitude: Vec<f64>,
@@ -57,11 +58,11 @@ pub(crate) struct BackboneSummary {
     pub(crate) frequency_high: Vec<f64>,
     pub(crate) damping_ratio_low: Vec<f64>,
     pub(crate) damping_ratio_high: Vec<f64>,
-    /// How far hits stray from each other: null of one hit.
+    /// How far hits differ from each other; null where there is one hit only.
     pub(crate) scatter: Option<ScatterSummary>,
 }
 
-/// Standard deviations of one hit from the specimen's mean, both relative.
+/// Standard deviations of a single hit from the mean of the structure, both relative.
 #[derive(Debug, Clone, Copy, Serialize)]
 pub(crate) struct ScatterSummary {
     pub(crate) hits: usize,
@@ -89,7 +90,7 @@ impl LawSummary {
         }
     }
 
-    /// Its parameters as text, with their intervals.
+    /// The parameters as text, with their intervals.
     pub(crate) fn values(&self) -> String {
         let one =
             |p: &ParameterSummary| format!("{} = {} ({})", p.name, long(p.value), interval(p.low, p.high));
@@ -122,7 +123,8 @@ impl BackboneSummary {
     }
 }
 
-/// The laws as a table for the terminal, best first, and the parameters of the one to take where that is another one than the joint above. Writing to a string cannot fail.
+/// Appends the table of laws for the terminal, best first, and the parameters of the chosen law where it is not the joint shown above. Writing to a
+/// string cannot fail.
 pub(crate) fn write(laws: &[LawSummary], chosen: &str, text: &mut String) {
     if laws.is_empty() {
         return;
@@ -146,7 +148,7 @@ pub(crate) fn write(laws: &[LawSummary], chosen: &str, text: &mut String) {
     }
 }
 
-/// A root-mean-square misfit of ln D in per cent; from 100 % on a law predicts nothing, and its digits would say nothing.
+/// A root-mean-square misfit of ln D in per cent. From 100 % on the law predicts nothing, and the text says only that.
 pub(crate) fn percent(misfit: f64) -> String {
     if misfit < 1.0 { format!("{:.2}", 100.0 * misfit) } else { "> 100".into() }
 }

@@ -1,5 +1,5 @@
-//! What `iwan modal` found goes over to the fit: records, channels, shapes and what the sensors measure; and from there to the scenario: the
-//! shapes at the hammer and at all measured points.
+//! Hands the results of `iwan modal` to the fit (records, channels, shapes and what the sensors measure) and from there to the scenario (the shapes
+//! at the hammer and at all measured points).
 
 use std::path::{Path, PathBuf};
 
@@ -31,7 +31,7 @@ impl MeasuredShapes {
         summary["modes"].as_array()?.iter().map(mode).collect::<Option<_>>().map(Self)
     }
 
-    /// Puts the shapes into a scenario's modes; `numbers` are those of the scenario's modes among the measured ones, counted from 0.
+    /// Puts the measured shapes into a scenario's modes; `numbers[i]` is the number, from 0, of the measured mode that the scenario's mode `i` is.
     pub(super) fn place(&self, scenario: &mut Scenario, numbers: &[usize]) {
         let names: Vec<String> = scenario.modes.iter().map(|m| m.mode.name.clone()).collect();
         for (mode, number) in scenario.modes.iter_mut().zip(numbers) {
@@ -39,7 +39,7 @@ impl MeasuredShapes {
             if let Some(shape) = measured.at_force {
                 mode.mode.shape_at_force = shape;
             }
-            // A point may not be called as a mode is.
+            // A point must not have the name of a mode.
             let own = |p: &Point| {
                 let name = if names.contains(&p.name) { format!("point {}", p.name) } else { p.name.clone() };
                 Point { name, shape: p.shape }
@@ -49,7 +49,7 @@ impl MeasuredShapes {
     }
 }
 
-/// Fills in what the user left open; returns the shapes.
+/// Fills in the options that the user left open from the folder of `iwan modal`; returns the shapes.
 pub(super) fn over_from_modal(args: &mut FitArgs, folder: &Path) -> Result<MeasuredShapes, Failure> {
     let path = folder.join(MODAL);
     let name = path.display().to_string();

@@ -12,13 +12,13 @@ use crate::identified::Identified;
 use crate::page::html::{grid, page};
 use crate::records::Units;
 
-/// What the report is about.
+/// The contents of the report.
 #[derive(Debug)]
 pub(crate) struct Reported<'a> {
     pub(crate) identified: &'a [Identified],
     pub(crate) summary: &'a FitSummary,
     pub(crate) units: &'a Units,
-    /// The fit as a scenario.
+    /// The fitted model as a scenario, TOML text.
     pub(crate) toml: &'a str,
 }
 
@@ -88,7 +88,7 @@ fn mode(n: usize, i: &Identified, fit: &ModeFit, units: &Units) -> Markup {
     }
 }
 
-/// The grade first, what it rests on, and the law to take.
+/// The verdict: the grade, the figures that it rests on, and the recommended law.
 fn verdict(fit: &ModeFit) -> Markup {
     html! {
         div class=(if fit.joint.adequate { "verdict" } else { "verdict look" }) {
@@ -110,7 +110,7 @@ fn table(fit: &ModeFit) -> Markup {
     ])
 }
 
-/// All laws, best first, and the one to take.
+/// The table of all laws, best first, and the recommended law.
 fn laws(fit: &ModeFit) -> Markup {
     html! {
         h2 { "Which law" }

@@ -11,8 +11,8 @@ use super::laws::BY_CURVES;
 use crate::failure::Failure;
 use crate::identified::Identified;
 
-/// The fit as a scenario: each mode is released where the loudest record begins. `law` of each mode: a name, that of the curves, or
-/// none for the Iwan joint of the records' fit.
+/// The fit as a scenario in which each mode is released where its loudest record begins. `law` gives for each mode the name of its law, the name of
+/// the curves, or none for the fitted Iwan joint.
 pub(crate) fn as_scenario(
     identified: &[Identified],
     title: &str,
@@ -36,7 +36,7 @@ pub(crate) fn as_scenario(
         longest = longest.max(c.record.len() as f64 * c.dt);
     }
     let settings = Settings::new(shortest, longest);
-    // Half cycles are exact for an Iwan joint, and know no other parts.
+    // The half-cycle map is exact for an Iwan joint and handles no other parts of a modal law.
     let method = if plain { Method::HalfCycle } else { settings.method };
     Ok(Scenario {
         title: Some(title.into()),

@@ -1,4 +1,4 @@
-//! What a fit says: `fit.json`, `summary.json` and the text on the terminal.
+//! The summary of a fit: `fit.json`, `summary.json` and the text on the terminal.
 
 use std::fmt::Write;
 
@@ -18,7 +18,7 @@ use crate::session::Summary;
 pub(crate) struct FitSummary {
     pub(crate) records: Vec<RecordSummary>,
     pub(crate) modes: Vec<ModeFit>,
-    /// What the reader of the records noticed: said before anything is computed.
+    /// What the reader of the records noticed; these warnings are given before anything is computed.
     pub(crate) warnings: Vec<String>,
 }
 
@@ -27,24 +27,24 @@ pub(crate) struct FitSummary {
 pub(crate) struct ModeFit {
     #[serde(flatten)]
     pub(crate) joint: JointFit,
-    /// Root mean square of all residuals over that of the records.
+    /// Root mean square of all residuals over the root mean square of the records.
     pub(crate) relative_residual: f64,
-    /// The linear mode with viscous damping.
+    /// The fit of a linear mode with viscous damping.
     pub(crate) linear: LinearSummary,
-    /// What the records tell and what not, in sentences.
+    /// What the records determine and what they leave open, in sentences.
     pub(crate) in_words: Vec<String>,
-    /// The simplest law that is as good as the best, or the one that was asked for.
+    /// Name of the simplest law that is as good as the best, or of the law that `--law` asked for.
     pub(crate) law: Option<String>,
-    /// That in a sentence, or why there is none.
+    /// The choice of the law in a sentence, or why no laws were compared.
     pub(crate) law_in_words: String,
     pub(crate) laws: Vec<LawSummary>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) backbone: Option<BackboneSummary>,
     pub(crate) force_axis: &'static str,
     pub(crate) band: (f64, f64),
-    /// Displacement of the release that stands for each record, and its time on the record's axis, s.
+    /// For each record the displacement from which the mode is released in the model, and the time of release on the record's axis, s.
     pub(crate) releases: Vec<(f64, f64)>,
-    /// Frequency at small amplitude on the day of each record, Hz; that of the mode is their mean.
+    /// Frequency at small amplitude in each record, Hz; it may drift from one record to the next (another day), and the mode's frequency is the mean.
     pub(crate) frequencies_of_records: Vec<f64>,
     pub(crate) notes: Vec<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -53,7 +53,7 @@ pub(crate) struct ModeFit {
     pub(crate) curves: Option<CurveSummary>,
 }
 
-/// The linear mode, and whether it is enough.
+/// The linear mode, and whether it is enough to explain the records.
 #[derive(Debug, Clone, Copy, Serialize)]
 pub(crate) struct LinearSummary {
     pub(crate) is_enough: bool,
@@ -63,26 +63,26 @@ pub(crate) struct LinearSummary {
     pub(crate) criterion: f64,
 }
 
-/// The free-form density.
+/// The free-form density of slider strengths.
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct DensitySummary {
     pub(crate) strength: Vec<f64>,
     pub(crate) density: Vec<f64>,
     pub(crate) frequency: f64,
     pub(crate) damping_ratio: f64,
-    /// Smallest and largest strength that the records inform.
+    /// Smallest and largest strength about which the records give information.
     pub(crate) informed: (f64, f64),
     pub(crate) dissipation_misfit: f64,
     pub(crate) frequency_misfit: f64,
 }
 
-/// Curves of all records, one below the other.
+/// Curves of all records, one below the other; all vectors have the same length.
 #[derive(Debug, Clone, Default, Serialize)]
 pub(crate) struct CurveSummary {
     /// Number of the record, from 1.
     pub(crate) record: Vec<usize>,
     pub(crate) t: Vec<f64>,
-    /// In the unit of the record.
+    /// Amplitude in the unit of the record.
     pub(crate) amplitude: Vec<f64>,
     pub(crate) displacement: Vec<f64>,
     pub(crate) frequency: Vec<f64>,
@@ -92,7 +92,7 @@ pub(crate) struct CurveSummary {
 }
 
 impl FitSummary {
-    /// Of all modes.
+    /// Makes the summary of all modes.
     pub(crate) fn new(
         recordings: &[Recording],
         identified: &[Identified],
@@ -106,13 +106,13 @@ impl FitSummary {
         }
     }
 
-    /// What the scenario is called.
+    /// Title of the scenario and the page.
     pub(crate) fn title(&self) -> String {
         let files: Vec<&str> = self.records.iter().map(RecordSummary::name).collect();
         format!("Fit of {}", files.join(", "))
     }
 
-    /// The same without the long lists.
+    /// The same summary without the long lists (curves, free-form density, backbone).
     pub(crate) fn without_curves(&self) -> Self {
         let mut short = self.clone();
         for mode in &mut short.modes {
@@ -168,7 +168,7 @@ impl ModeFit {
         }
     }
 
-    /// Writing to a string cannot fail.
+    /// Appends the text on the mode. Writing to a string cannot fail.
     fn write(&self, text: &mut String) {
         let enough = self.linear.is_enough && self.joint.adequate;
         let verdict =
@@ -183,16 +183,17 @@ impl ModeFit {
     }
 }
 
-/// What the records tell and what not.
+/// What the records determine and what they leave open, in sentences.
 fn in_words(i: &Identified) -> Vec<String> {
-    // By averaging, as the fit on the curves: misfits of one kind. What the record's own fit matches is matched.
+    // The verdict compared here is the one by averaging on the curves, because the densities' misfits are of the same kind. A mode that the fit to
+    // the records themselves matches counts as matched, too.
     let curves = &i.found.fit.verdict;
     let four = Verdict { adequate: curves.adequate || i.found.verdict.adequate, ..curves.clone() };
     let densities = i.densities.iter().map(|d| d.words(&four));
     i.found.in_words().into_iter().chain(densities).collect()
 }
 
-/// What was done, record by record.
+/// Notes on what was done with each record.
 fn notes(i: &Identified) -> Vec<String> {
     let several = i.extractions.len() > 1;
     let mut notes: Vec<String> = Vec::new();

@@ -1,4 +1,4 @@
-//! The nonlinear modes that the responses of coupled modes follow.
+//! The backbones of nonlinear modes, drawn over the responses of coupled modes.
 
 use std::f64::consts::TAU;
 
@@ -6,7 +6,7 @@ use iwan_sim::{JointedModes, SimulationError, SteadyCurve, Sweep, nonlinear_mode
 
 use super::responses::{POINTS, backbone_range};
 
-/// Frequency and amplitude of every mode that shows in the band, within the amplitudes of the curves.
+/// Backbone (frequency in Hz, amplitude) of every mode that shows in the band, over the amplitudes of the curves.
 pub(super) fn backbones(
     system: &JointedModes,
     sweep: &Sweep,
@@ -15,9 +15,10 @@ pub(super) fn backbones(
     resonant(system, sweep).into_iter().map(|mode| backbone(system, mode, sweep.harmonics, curves)).collect()
 }
 
-/// The modes with a frequency in the band that force and response reach.
+/// The modes with a frequency in the band that the force excites and the response point sees.
 fn resonant(system: &JointedModes, sweep: &Sweep) -> Vec<usize> {
-    /// Residues smaller than this part of the largest in the band do not show: symmetry forbids such modes.
+    /// A mode whose residue (shape at the force times shape at the output) is below this part of the largest in the band gets no backbone: symmetry
+    /// forbids its response, and what is left is rounding.
     const SHOWN: f64 = 1e-6;
     let modes = system.modes();
     let band = TAU * sweep.from..=TAU * sweep.to;
@@ -30,7 +31,7 @@ fn resonant(system: &JointedModes, sweep: &Sweep) -> Vec<usize> {
         .collect()
 }
 
-/// Frequency and amplitude at the point of a nonlinear mode, within the amplitudes of the curves.
+/// Backbone (frequency in Hz, amplitude at the output) of one nonlinear mode, over the amplitudes of the curves.
 fn backbone(
     system: &JointedModes,
     mode: usize,

@@ -48,7 +48,7 @@ pub(crate) fn run(args: &FrfArgs) -> Result<(), Failure> {
     session.finish(&summary)
 }
 
-/// The columns of the table: modes and levels below each other, told apart by the mode's number and the level.
+/// The columns of the table: modes and levels stand below each other, told apart by the number of the mode and the level.
 fn columns(responses: &[Response], harmonics: usize) -> Vec<(String, Vec<f64>)> {
     let curves =
         || responses.iter().enumerate().flat_map(|(n, r)| r.curves.iter().map(move |curve| (n, curve)));

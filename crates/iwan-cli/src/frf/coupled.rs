@@ -15,8 +15,8 @@ struct Coupled {
     joints: Vec<SharedJoint>,
 }
 
-/// At a point all modes together; without one, the modal displacement of each mode that has its resonance in the band. With what
-/// the reader should know.
+/// At a named point, the response of all modes together; without a point, the modal displacement of each mode with its resonance in the band. Also
+/// returns notes for the user.
 pub(super) fn respond(
     name: &str,
     scenario: &SteadyScenario,
@@ -52,7 +52,7 @@ pub(super) fn respond(
 }
 
 impl Coupled {
-    /// Numbers of the modes with a resonance in the band, and sentences about the others, which stay in the equations.
+    /// Indices of the modes with a resonance in the band, and notes on the other modes, which remain in the equations.
     fn within(&self, table: &SweepTable) -> Result<(Vec<usize>, Vec<String>), SimulationError> {
         let (from, to) = (table.sweep.from, table.sweep.to);
         let (mut within, mut notes) = (Vec::new(), Vec::new());

@@ -9,7 +9,7 @@ use crate::page::figure::{Axis, Figure, Layer, Mark, colour};
 /// Colours of the levels, in turn.
 const COLOURS: [&str; 5] = [colour::BLUE, colour::VERMILLION, colour::GREEN, colour::PURPLE, colour::ORANGE];
 
-/// Levels with a name in the legend at most: more would cover the plane.
+/// Most levels that have a name in the legend: more would cover the plane.
 const NAMED: usize = 8;
 
 /// All figures of a mode.
@@ -25,7 +25,7 @@ pub(super) fn figures(response: &Response) -> Vec<Figure> {
     figures
 }
 
-/// One line a level.
+/// One line per level.
 fn lines(response: &Response, y: impl Fn(&SteadyPoint) -> f64) -> Vec<Layer> {
     let line = |(n, curve): (usize, &SteadyCurve)| {
         let points = curve.points.iter().map(|point| (point.frequency, y(point))).collect();
@@ -41,7 +41,7 @@ fn frequency() -> Axis {
 
 fn amplitude(response: &Response) -> Figure {
     let mut layers = lines(response, |point| point.amplitude);
-    // Backbones within the frequencies of the curves: beyond, they would press them together.
+    // Backbones are cut to the frequencies of the curves: the parts beyond would squeeze the curves together.
     let all = || response.curves.iter().flat_map(|curve| &curve.points).map(|point| point.frequency);
     let (low, high) = (all().fold(f64::INFINITY, f64::min), all().fold(0.0, f64::max));
     for (n, backbone) in response.backbones.iter().enumerate() {
@@ -111,7 +111,7 @@ fn receptance(response: &Response) -> Figure {
     }
 }
 
-/// Amplitudes of the higher harmonics at the last level, with their resonances.
+/// Amplitudes of the higher harmonics at the last level, with their superharmonic resonances marked; none with one harmonic.
 fn harmonics(response: &Response) -> Option<Figure> {
     let curve = response.curves.last()?;
     let count = curve.points.first()?.harmonics.len();
@@ -143,7 +143,7 @@ fn harmonics(response: &Response) -> Option<Figure> {
     })
 }
 
-/// The loops of the joints.
+/// Hysteresis loops of the joints.
 fn loops(response: &Response) -> Option<Figure> {
     let layer = |(n, one): (usize, &Loop)| {
         Layer::new(Mark::Line, COLOURS[n % COLOURS.len()], one.points()).named(one.name.clone())

@@ -1,19 +1,19 @@
-//! Loops of the joints in steady vibration, at the peaks of the curves.
+//! Hysteresis loops of the joints in steady vibration, at the peaks of the curves.
 
 use iwan_sim::{SharedLaw, SlipJoint, SteadyCurve};
 
 use crate::page::numbers::short;
 
-/// Points of a loop: corners of straight lines do not show from 100 on.
+/// Points of a loop: from 100 points on the straight pieces cannot be told from a curve.
 const POINTS: usize = 241;
 
-/// Joints that slip by less than this part of the one that slips most would be drawn as dots.
+/// Joints that slip by less than this part of the largest slip get no loop: it would be drawn as a dot.
 const LEAST: f64 = 0.05;
 
-/// One joint in one steady vibration.
+/// The loop of one joint in one steady vibration.
 #[derive(Clone)]
 pub(crate) struct Loop {
-    /// The level, or the joint.
+    /// Name of the level, or of the joint.
     pub(crate) name: String,
     law: SharedLaw,
     /// Amplitude of the slip's first harmonic.
@@ -26,18 +26,18 @@ impl std::fmt::Debug for Loop {
     }
 }
 
-/// What a level is called.
+/// Name of a curve's level: the held quantity with its value.
 pub(super) fn level(curve: &SteadyCurve) -> String {
     format!("{} {}", curve.control.name().replace('_', " "), short(curve.level))
 }
 
-/// Of one mode's joint, at the peak of each level; the response is `shape` times the modal displacement.
+/// Loops of one mode's own joint, at the peak of each level; the response is `shape` times the modal displacement.
 pub(super) fn of_mode(law: &SharedLaw, shape: f64, curves: &[SteadyCurve]) -> Vec<Loop> {
     let peaks = curves.iter().filter_map(|curve| Some((level(curve), curve.peak()?)));
     peaks.map(|(name, peak)| Loop { name, law: law.clone(), slip: peak.amplitude / shape.abs() }).collect()
 }
 
-/// Of one joint that modes share, at the peak of each level; of several, at the peak of the last one.
+/// Loops of shared joints: with one joint, at the peak of each level; with several, at the peak of the last level.
 pub(super) fn of_joints(joints: &[SlipJoint], curves: &[SteadyCurve]) -> Vec<Loop> {
     let at = |curve: &SteadyCurve, joint: usize, name: String| {
         let slip = curve.peak()?.slips.get(joint).copied()?;
@@ -54,7 +54,8 @@ pub(super) fn of_joints(joints: &[SlipJoint], curves: &[SteadyCurve]) -> Vec<Loo
 }
 
 impl Loop {
-    /// Slip and force less the line of the stuck joint, F - K_T s, along one period of the slip's first harmonic, by Masing's rule.
+    /// Slip and force along one period of the slip's first harmonic, by Masing's rule. The line of the stuck joint is subtracted: the force is F -
+    /// K_T s.
     pub(super) fn points(&self) -> Vec<(f64, f64)> {
         let (law, a) = (&self.law, self.slip);
         let top = law.force(a);

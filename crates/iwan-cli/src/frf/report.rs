@@ -67,7 +67,7 @@ fn turns(level: &super::summary::LevelPeak) -> String {
     level.jumps.iter().map(|jump| long(jump.frequency)).collect::<Vec<_>>().join(", ")
 }
 
-/// One below the other: a level has several on a structure.
+/// Superharmonic resonances of a level, one below the other: a structure may have several.
 fn superharmonics(level: &super::summary::LevelPeak) -> Markup {
     let words = |s: &super::summary::Overtone| format!("harmonic {} at {} Hz", s.harmonic, long(s.frequency));
     html! {

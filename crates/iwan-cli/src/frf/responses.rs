@@ -14,17 +14,17 @@ pub(crate) struct Response {
     pub(crate) name: String,
     /// Frequency at small amplitude, Hz; none for a structure with all its modes.
     pub(crate) frequency: Option<f64>,
-    /// Smallest and largest amplitude of the response that the records behind the mode hold.
+    /// Smallest and largest amplitude of the response in the records from which the mode was identified; none where the scenario does not say.
     pub(crate) informed: Option<[f64; 2]>,
-    /// One curve a level.
+    /// One curve per level.
     pub(crate) curves: Vec<SteadyCurve>,
-    /// Frequency (Hz) and amplitude of the modes without force and damping.
+    /// Backbones: frequency (Hz) and amplitude of the nonlinear modes without force and damping.
     pub(crate) backbones: Vec<Vec<(f64, f64)>>,
-    /// The joints at the peaks.
+    /// Hysteresis loops of the joints at the peaks of the curves.
     pub(crate) loops: Vec<Loop>,
 }
 
-/// The curves of all levels, one level a piece of work.
+/// The curves of all levels, computed in parallel, one task per level.
 pub(super) fn by_level(
     sweep: &Sweep,
     threads: usize,
@@ -37,13 +37,13 @@ pub(super) fn by_level(
     Ok(found?.concat())
 }
 
-/// Points of a backbone: one for every four units of a figure.
+/// Points of a backbone: one for every four units of a figure's width.
 pub(super) const POINTS: usize = 121;
 
-/// How far a backbone runs beyond the highest and below the lowest peak: its direction is seen.
+/// A backbone is drawn beyond the highest and the lowest peak by this ratio, so that its direction is visible.
 const BEYOND: f64 = 1.3;
 
-/// Smallest and largest amplitude of a backbone over these curves.
+/// Smallest and largest amplitude of a backbone drawn over these curves; none where no curve has a peak.
 pub(super) fn backbone_range(curves: &[SteadyCurve]) -> Option<[f64; 2]> {
     let peaks = curves.iter().filter_map(SteadyCurve::peak).map(|peak| peak.amplitude);
     let (low, high) = peaks.fold((f64::INFINITY, 0.0_f64), |(low, high), a| (low.min(a), high.max(a)));
@@ -59,7 +59,7 @@ fn backbone(mode: &Mode, shape: f64, curves: &[SteadyCurve]) -> Vec<(f64, f64)> 
     (0..POINTS).map(at).collect()
 }
 
-/// All responses, and what the reader should know about modes that were left out.
+/// The responses of all modes with their resonance in the band, and notes on the modes that were left out.
 pub(super) fn respond(
     name: &str,
     scenario: &SteadyScenario,
@@ -101,13 +101,13 @@ pub(super) fn respond(
     Ok((responses, notes))
 }
 
-/// Frequencies of a mode with its joint slipping and stuck, Hz.
+/// Frequencies of a mode with its joint slipping and with its joint stuck, Hz.
 fn range(mode: &Mode) -> Result<[f64; 2], SimulationError> {
     let oscillator = mode.oscillator()?;
     Ok([oscillator.k_inf().max(0.0).sqrt() / TAU, mode.frequency])
 }
 
-/// A damping ratio for all modes, and the direction of a base, are for structures.
+/// Refuses, for modes, the two keys of `[sweep]` that only structures have: a damping ratio for all modes, and the direction of base motion.
 pub(super) fn refuse_of_structures(name: &str, table: &SweepTable) -> Result<(), Failure> {
     let refused = |key: &str, why: &str, remedy: &str| {
         Err(Failure::input(format!("{name}: [sweep]: {key} is for structures: {why}"), remedy))
@@ -122,7 +122,7 @@ pub(super) fn refuse_of_structures(name: &str, table: &SweepTable) -> Result<(),
     Ok(())
 }
 
-/// The shape at the point of the sweep; 1 for the modal displacement.
+/// The mode's shape at the output point of the sweep; 1 where the response is the modal displacement.
 pub(super) fn shape(name: &str, mode: &Mode, table: &SweepTable) -> Result<f64, Failure> {
     let Some(at) = &table.at else { return Ok(1.0) };
     let found = mode.outputs.iter().find(|point| point.name == *at).map(|point| point.shape);
@@ -132,7 +132,7 @@ pub(super) fn shape(name: &str, mode: &Mode, table: &SweepTable) -> Result<f64, 
     })
 }
 
-/// A computation that could not be done, in the user's terms.
+/// A failed computation, in the user's terms.
 fn failed(name: &str, mode: &Mode, error: &SimulationError) -> Failure {
     let message = format!("{name}: mode \"{}\": {error}", mode.name);
     match error {

@@ -11,7 +11,7 @@ use crate::session::Session;
 use crate::structures::{Asked, Linear, steady};
 use iwan_input::Drive;
 
-/// The response of the structure, and what the reader should know.
+/// The response of the structure, and notes for the user.
 pub(super) fn respond(
     on: &OnStructure,
     table: &SweepTable,
@@ -47,7 +47,7 @@ pub(super) fn respond(
     Ok((vec![Response { name, frequency: None, informed: None, curves, backbones, loops }], notes))
 }
 
-/// What drives the structure.
+/// What drives the structure: its loads, or the motion of its base.
 fn drive(table: &SweepTable) -> Result<Drive, Failure> {
     if table.sweep.control != Control::BaseAcceleration {
         return Ok(Drive::Loads);

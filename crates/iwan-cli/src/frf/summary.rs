@@ -1,4 +1,4 @@
-//! What `iwan frf` says: `frf.json` and the table on the terminal.
+//! The summary of `iwan frf`: `frf.json` and the table on the terminal.
 
 use std::fmt::Write;
 
@@ -10,7 +10,7 @@ use super::responses::Response;
 use crate::page::numbers::{long, short};
 use crate::session::Summary;
 
-/// A peak this little above the largest amplitude of the records is at it.
+/// A peak that exceeds the largest amplitude of the records by less than this part counts as equal to it.
 const ROUNDING: f64 = 1e-3;
 
 /// The summary of steady forced responses.
@@ -20,7 +20,7 @@ pub(crate) struct FrfSummary {
     pub(crate) scenario: String,
     /// What is held: force, base_acceleration, displacement, velocity or acceleration.
     pub(crate) held: &'static str,
-    /// The point of the response; none: the modal displacement.
+    /// Name of the output point; none where the response is the modal displacement.
     pub(crate) at: Option<String>,
     /// The highest harmonic.
     pub(crate) harmonics: usize,
@@ -39,7 +39,7 @@ pub(crate) struct ModePeaks {
     pub(crate) name: String,
     /// Frequency at small amplitude, Hz; none for a structure with all its modes.
     pub(crate) frequency: Option<f64>,
-    /// Amplitudes of the response that the records behind the mode hold, where the scenario says so.
+    /// Range of the response's amplitude in the records from which the mode was identified; none where the scenario does not say.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) informed: Option<Informed>,
     /// One entry per level.
@@ -57,11 +57,11 @@ pub(crate) struct Informed {
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct LevelPeak {
     pub(crate) level: f64,
-    /// The resonance, where the curve has points.
+    /// The resonance peak; none where the curve has no points.
     pub(crate) peak: Option<Peak>,
-    /// Where the curve turns back: a measured response jumps there.
+    /// Points where the curve turns back in frequency: a measured response jumps there.
     pub(crate) jumps: Vec<Turn>,
-    /// Where a harmonic is in resonance with a mode.
+    /// Points where a higher harmonic is in resonance with a mode.
     pub(crate) superharmonics: Vec<Overtone>,
     pub(crate) points: usize,
 }
@@ -69,19 +69,19 @@ pub(crate) struct LevelPeak {
 /// A resonance.
 #[derive(Debug, Clone, Copy, Serialize)]
 pub(crate) struct Peak {
-    /// Hz.
+    /// Frequency, Hz.
     pub(crate) frequency: f64,
     pub(crate) amplitude: f64,
-    /// rad.
+    /// Phase against the excitation, rad.
     pub(crate) phase: f64,
-    /// Amplitude of the force, or of the base's acceleration.
+    /// Amplitude of the force, or of the base acceleration.
     pub(crate) excitation: f64,
 }
 
 /// A point at which a curve turns back in frequency.
 #[derive(Debug, Clone, Copy, Serialize)]
 pub(crate) struct Turn {
-    /// Hz.
+    /// Frequency, Hz.
     pub(crate) frequency: f64,
     pub(crate) amplitude: f64,
 }
@@ -90,9 +90,9 @@ pub(crate) struct Turn {
 #[derive(Debug, Clone, Copy, Serialize)]
 pub(crate) struct Overtone {
     pub(crate) harmonic: usize,
-    /// Of the excitation, Hz.
+    /// Frequency of the excitation, Hz.
     pub(crate) frequency: f64,
-    /// Of the harmonic.
+    /// Amplitude of the harmonic.
     pub(crate) amplitude: f64,
 }
 
@@ -117,7 +117,7 @@ impl LevelPeak {
 }
 
 impl FrfSummary {
-    /// Of the responses to a sweep.
+    /// Makes the summary of the responses to a sweep.
     pub(super) fn new(scenario: String, table: &SweepTable, responses: &[Response], seconds: f64) -> Self {
         let peaks = |response: &Response| ModePeaks {
             name: response.name.clone(),
@@ -144,7 +144,7 @@ impl FrfSummary {
     }
 }
 
-/// That levels leave what the records behind a mode informed.
+/// A warning where peaks exceed the amplitudes of the records from which the mode was identified; none otherwise.
 fn beyond(response: &Response) -> Option<String> {
     let [_, to] = response.informed?;
     let above =

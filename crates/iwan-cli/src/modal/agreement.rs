@@ -1,4 +1,4 @@
-//! Whether hits and levels go together: swapped or reversed channels, points that a level lacks.
+//! Checks whether hits and levels are consistent: swapped or reversed channels, points that a level lacks.
 
 use iwan_modal::measure::{Channel, Freedom, Hit};
 use iwan_modal::responses::disagreements;
@@ -6,14 +6,14 @@ use iwan_modal::responses::disagreements;
 use super::analysis::Level;
 use super::hits::Test;
 
-/// What is said of channels, level by level.
+/// Doubts about the channels, level by level, as sentences.
 pub(super) fn doubts(test: &Test, levels: &[Level]) -> Vec<String> {
     let of_levels = levels.iter().flat_map(|level| [of_level(test, level), lacking(test, level)].concat());
     of_levels.chain(missing(test, levels)).chain(same_samples(test)).collect()
 }
 
-/// Points that a hit lacks and more than half of the hits of its level at the same point have: the average there is over fewer hits. Where sensors rove, few
-/// hits have a point.
+/// Names points that are missing in a hit although more than half of the hits of its level at the same place have them: the average at such a point
+/// is over fewer hits. Where sensors are moved between hits, few hits have any one point, and nothing is said.
 fn lacking(test: &Test, level: &Level) -> Vec<String> {
     let mut said = Vec::new();
     for f in &level.responses.functions {
@@ -35,7 +35,7 @@ fn lacking(test: &Test, level: &Level) -> Vec<String> {
     said
 }
 
-/// Hits that hold the same samples: they look like two that agree perfectly.
+/// Names hits that hold the same samples: copies would look like two hits that agree perfectly.
 fn same_samples(test: &Test) -> Vec<String> {
     let hits: Vec<&Hit> = test.hits.iter().filter(|h| !h.left_out).map(|h| &h.hit).collect();
     let same = |a: &Hit, b: &Hit| {
@@ -60,12 +60,12 @@ fn used<'a>(test: &'a Test, level: &'a Level) -> impl Iterator<Item = &'a Hit> {
 
 fn of_level(test: &Test, level: &Level) -> Vec<String> {
     let hits: Vec<&Hit> = used(test, level).collect();
-    // What these hits are refused for has been said before.
+    // Hits that cannot be compared have been refused with a message before; an error adds nothing here.
     let found = if hits.is_empty() { Ok(Vec::new()) } else { disagreements(&hits) };
     found.unwrap_or_default().iter().map(ToString::to_string).collect()
 }
 
-/// Points that were measured at one level and not at another: they do not count where levels are compared.
+/// Names points that were measured at one level and not at another: comparisons between levels leave them out.
 fn missing(test: &Test, levels: &[Level]) -> Vec<String> {
     let pairs = |level: &Level| -> Vec<(Freedom, Freedom)> {
         level.responses.functions.iter().map(|f| (f.response.clone(), f.force.clone())).collect()

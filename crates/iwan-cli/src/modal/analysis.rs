@@ -1,4 +1,4 @@
-//! What is computed: responses and modes at each level of force.
+//! The computation: frequency responses and modes at each level of force.
 
 use iwan_modal::measure::{Channel, Hit, levels};
 use iwan_modal::modes::mac;
@@ -14,17 +14,17 @@ use crate::failure::Failure;
 
 /// One level of force.
 pub(super) struct Level {
-    /// Mean peak force; 0 for responses that others measured.
+    /// Mean peak force of the hits, in the unit of the hammer channel; 0 for responses that another program measured.
     pub(super) force: f64,
-    /// Names of its hits.
+    /// Names of the level's hits.
     pub(super) hits: Vec<String>,
     pub(super) responses: FrequencyResponses,
     pub(super) fit: ModalFit,
-    /// From poles that another way found, and its name.
+    /// With `--compare`: the name of the other method for the poles, and the modes it finds.
     pub(super) other: Option<(&'static str, ModalFit)>,
 }
 
-/// All levels, the softest first, on the threads that were asked for.
+/// Analyses all levels, the softest first, on the number of threads that was asked for.
 pub(super) fn analyse(test: &Test, args: &ModalArgs) -> Result<Vec<Level>, Failure> {
     on_threads(args.common.thread_count(), || levels_of(test, args)).map_err(|e| failed(&e))?
 }
@@ -75,10 +75,10 @@ fn levels_of(test: &Test, args: &ModalArgs) -> Result<Vec<Level>, Failure> {
     each_of(&levels, one).into_iter().collect()
 }
 
-/// A hit shorter than this part of the longest is looked at where an analysis fails: all records are cut to it.
+/// A hit shorter than this part of the longest is named where an analysis fails, because all records are cut to the shortest.
 const SHORT: f64 = 0.5;
 
-/// A failure with a word on the hit that all records were cut to, where that is a short one.
+/// Adds to a failure the name of the hit to which all records were cut, where that hit is shorter than [`SHORT`] allows.
 fn shortened(failure: Failure, hits: &[&Hit]) -> Failure {
     let length = |hit: &&Hit| hit.samples() as f64 * hit.dt;
     let by_length = |a: &&&Hit, b: &&&Hit| length(a).total_cmp(&length(b));
@@ -98,8 +98,8 @@ fn shortened(failure: Failure, hits: &[&Hit]) -> Failure {
     )
 }
 
-/// The modes of responses by the way that was asked for, and by another. Those to leave out must be among the modes of the level that is reported; other
-/// levels may lack them.
+/// The modes of the responses by the method of the options and, with `--compare`, by another one. Frequencies of `--drop-poles` must be modes of the
+/// level that is reported (`reported`); other levels may lack them.
 fn fitted(responses: FrequencyResponses, args: &ModalArgs, reported: bool) -> Result<Level, Failure> {
     let (way, name, other) = match (args.poles.is_empty(), args.method) {
         (false, _) => (Analysis::Given(args.poles.clone()), "chart", Analysis::Chart),
@@ -111,7 +111,7 @@ fn fitted(responses: FrequencyResponses, args: &ModalArgs, reported: bool) -> Re
     Ok(Level { force: 0.0, hits: Vec::new(), responses, fit, other })
 }
 
-/// The modes that a way finds by itself.
+/// The modes that a method finds by itself, without the user's additions and omissions.
 fn by(responses: &FrequencyResponses, args: &ModalArgs, way: &Analysis) -> Result<ModalFit, Failure> {
     calibrated(found(responses, args, way)?, args)
 }
@@ -121,7 +121,7 @@ fn found(responses: &FrequencyResponses, args: &ModalArgs, way: &Analysis) -> Re
     modal_fit(responses, args.band, way, order).map_err(|e| failed(&e))
 }
 
-/// With the modes that the user adds and without those that the user leaves out.
+/// The fit with the modes that `--add-poles` adds and without those that `--drop-poles` names.
 fn overruled(
     fit: ModalFit,
     responses: &FrequencyResponses,
@@ -141,7 +141,7 @@ fn calibrated(fit: ModalFit, args: &ModalArgs) -> Result<ModalFit, Failure> {
     fit.with_calibration(spread).map_err(|e| failed(&e))
 }
 
-/// Free decays of all files, cut to the shortest.
+/// Responses and modes of the free decays of all files, cut to the shortest.
 fn free(test: &Test, args: &ModalArgs) -> Result<Level, Failure> {
     let (decays, dt) = decays(test)?;
     let said = |e: iwan_modal::Error| Failure::said("free decays", &e);
@@ -163,7 +163,7 @@ fn free(test: &Test, args: &ModalArgs) -> Result<Level, Failure> {
     Ok(level)
 }
 
-/// The channels of all files, and their interval.
+/// The channels of all files, cut to the same length, and their sampling interval (s).
 fn decays(test: &Test) -> Result<(Vec<Vec<Channel>>, f64), Failure> {
     let (first, dt, _) = &test.decays[0];
     let lengths = test.decays.iter().flat_map(|d| &d.2).map(|c| c.samples.len());
@@ -180,10 +180,11 @@ fn decays(test: &Test) -> Result<(Vec<Vec<Channel>>, f64), Failure> {
     Ok((decays, *dt))
 }
 
-/// Intervals of functions may differ by this part, two units of the fifth and last digit that an ASCII header has.
+/// Frequency intervals of functions may differ by this part: two units of the fifth and last digit that an ASCII header has. Functions that differ by
+/// more are refused.
 const SAME_INTERVAL: f64 = 2e-5;
 
-/// Frequency responses that others measured.
+/// The frequency responses that another program measured, read from the files.
 fn measured(test: &Test, args: &ModalArgs) -> Result<FrequencyResponses, Failure> {
     let Some(first) = test.functions.first() else {
         return Err(Failure::input("the files hold neither hits nor frequency responses", "give either"));
@@ -239,15 +240,15 @@ fn measured(test: &Test, args: &ModalArgs) -> Result<FrequencyResponses, Failure
     })
 }
 
-/// For each mode of `a` the modal assurance criterion with the mode of `b` that is most like it in its neighbourhood, and its index. Points that
-/// only one of both has do not count.
+/// For each mode of `a`: the index of the mode of `b` within [`NEIGHBOURHOOD`] of its frequency that has the highest modal assurance criterion, and
+/// that criterion. Points that only one of the two fits has do not count.
 pub(super) fn partners(a: &ModalFit, b: &ModalFit) -> Vec<Option<(usize, f64)>> {
     let near = |f: f64, g: f64| (g / f - 1.0).abs() < NEIGHBOURHOOD;
     let partner = |mode: &iwan_modal::modes::Mode| {
         let candidates =
             b.modes.iter().enumerate().filter(|(_, other)| near(mode.frequency, other.frequency));
         let alike = candidates.map(|(i, other)| (i, alike(a, mode, b, i), other.frequency));
-        // Shapes of one channel are all alike: then the nearest is meant.
+        // Shapes with a single channel all have a criterion of 1; the small weight of frequency then chooses the nearest mode.
         let worth = |mac: f64, frequency: f64| mac - SAME_SHAPE * (frequency / mode.frequency).ln().abs();
         let best = alike.max_by(|x, y| worth(x.1, x.2).total_cmp(&worth(y.1, y.2)));
         best.map(|(i, mac, _)| (i, mac))
@@ -255,7 +256,7 @@ pub(super) fn partners(a: &ModalFit, b: &ModalFit) -> Vec<Option<(usize, f64)>> 
     a.modes.iter().map(partner).collect()
 }
 
-/// Modal assurance criterion of a mode of `a` and mode `i` of `b` at the freedoms of both.
+/// Modal assurance criterion of a mode of `a` with mode `i` of `b`, over the points that both fits have.
 pub(super) fn alike(a: &ModalFit, mode: &iwan_modal::modes::Mode, b: &ModalFit, i: usize) -> f64 {
     let common = a.freedoms.iter().zip(&mode.shape).filter_map(|(freedom, x)| {
         let place = b.freedoms.iter().position(|f| f == freedom)?;
@@ -265,8 +266,10 @@ pub(super) fn alike(a: &ModalFit, mode: &iwan_modal::modes::Mode, b: &ModalFit, 
     mac(&x, &y)
 }
 
-/// A modal assurance criterion that is lower by this part counts as much as a frequency that is farther by a factor e: within the neighbourhood that decides between equals alone.
+/// A criterion lower by this much counts as much as a frequency farther away by a factor e. Within the neighbourhood this weight decides only between
+/// modes whose shapes are equally alike.
 const SAME_SHAPE: f64 = 1e-4;
 
-/// A mode of a bolted structure moves less than this part of its frequency from level to level. A judgement: the paper's moves by 2 %.
+/// A mode of a bolted structure moves by less than this part of its frequency from level to level. A judgement: the paper's modes move by 2 %. A mode
+/// that moves farther has no partner.
 const NEIGHBOURHOOD: f64 = 0.1;

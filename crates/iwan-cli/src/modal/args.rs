@@ -154,7 +154,7 @@ impl ModalArgs {
     }
 }
 
-/// `POINT` or `POINT:DIRECTION`.
+/// Reads `POINT` or `POINT:DIRECTION`.
 fn freedom(text: &str) -> Result<Freedom, String> {
     Freedom::parse(text)
         .ok_or_else(|| "must be POINT or POINT:DIRECTION with one of +x, -x, +y, -y, +z, -z".into())

@@ -11,13 +11,13 @@ use crate::args::Format;
 use crate::failure::Failure;
 use crate::session::{PAGE, Session};
 
-/// The summary, which `iwan fit --modal` reads.
+/// File with the summary, which `iwan fit --modal` reads.
 pub(crate) const MODAL: &str = "modal.json";
-/// Shapes, which `--shapes` reads.
+/// File with the shapes, which `--shapes` reads.
 pub(crate) const SHAPES: &str = "shapes.csv";
 const RESPONSES: &str = "frf.csv";
 const UNIVERSAL: &str = "shapes.uff";
-/// Points and elements; only where positions are known.
+/// File with points and elements; written only where positions are known.
 const GEOMETRY: &str = "geometry.unv";
 
 /// Runs the command.

@@ -1,5 +1,5 @@
-//! Figures of a modal analysis: composite response with fit, drive point, coherence, stabilisation chart, zeroed spectra, shapes of
-//! levels beside each other.
+//! Figures of a modal analysis: composite response with fit, drive point, coherence, stabilisation chart, zeroed spectra, and the shapes of two
+//! levels compared.
 
 use iwan_modal::fit::Fitted;
 use iwan_modal::responses::FrequencyResponses;
@@ -10,18 +10,18 @@ use crate::page::decimate::thin;
 use crate::page::figure::{Axis, Figure, Layer, Mark, colour};
 use crate::page::heat::HeatMap;
 
-/// Points of a curve, at most: nearly two for each unit of the plane, so that a narrow peak is not lost.
+/// Most points of a curve: nearly two for each unit of the plane's width, so that a narrow peak is not lost.
 const CURVE: usize = 1200;
 
 type Points = Vec<(f64, f64)>;
 
-/// The highest of each stretch of points.
+/// The highest point of each stretch of points.
 fn crests(points: &[(f64, f64)]) -> Points {
     let size = points.len().div_ceil(CURVE).max(1);
     points.chunks(size).filter_map(|c| c.iter().copied().max_by(|a, b| a.1.total_cmp(&b.1))).collect()
 }
 
-/// Composite response and fit.
+/// Composite response: root mean square over all functions, measured and fitted.
 pub(crate) fn composite(responses: &FrequencyResponses, fitted: &Fitted) -> Figure {
     let count = fitted.curves.first().map_or(0, Vec::len);
     let n = fitted.curves.len().max(1) as f64;
@@ -50,7 +50,7 @@ pub(crate) fn composite(responses: &FrequencyResponses, fitted: &Fitted) -> Figu
     }
 }
 
-/// One response with its fit: the drive point, or the first.
+/// One response with its fit: that of the drive point, or the first where no point was both hit and measured.
 pub(super) fn response(level: &Level) -> Figure {
     let functions = &level.responses.functions;
     let k = functions.iter().position(|f| f.response.is_at(&f.force)).unwrap_or(0);
@@ -80,7 +80,7 @@ pub(super) fn response(level: &Level) -> Figure {
     }
 }
 
-/// Mean coherence of all responses; none with one hit.
+/// Mean coherence of all responses; none with one hit, where coherence is not defined.
 pub(super) fn coherence(level: &Level) -> Option<Figure> {
     let functions: Vec<_> = level.responses.functions.iter().filter(|f| !f.coherence.is_empty()).collect();
     let first = level.fit.fitted.first;
@@ -122,10 +122,10 @@ pub(super) fn chart(level: &Level) -> Option<Figure> {
     })
 }
 
-/// Zeroed spectra that are drawn: a fan of more cannot be told apart.
+/// Most zeroed spectra that are drawn: more could not be told apart.
 const FAN: usize = 7;
 
-/// Spectra of the hardest hit with its begin left out, more and more of it.
+/// Zeroed spectra of the hardest hit: spectra of its decay with a growing part of the beginning set to zero.
 pub(super) fn fan(decay: &Decay, (low, high): (f64, f64)) -> Figure {
     let colours = [
         colour::VERMILLION,
@@ -157,7 +157,7 @@ pub(super) fn fan(decay: &Decay, (low, high): (f64, f64)) -> Figure {
     }
 }
 
-/// How far the linear model of the late decay, carried backwards, is off each mode.
+/// Difference, for each mode, between the response and the linear model of the late decay carried backwards in time.
 pub(super) fn misfits(decay: &Decay) -> Figure {
     let colours =
         [colour::BLUE, colour::VERMILLION, colour::GREEN, colour::PURPLE, colour::ORANGE, colour::GREY];
@@ -177,7 +177,7 @@ pub(super) fn misfits(decay: &Decay) -> Figure {
     }
 }
 
-/// Modal assurance criteria of the reported modes (across) with those of another level (up).
+/// Modal assurance criteria between the reported modes (axis of x) and those of another level (axis of y).
 pub(super) fn criteria(level: &Level, other: &Level, name: &str) -> HeatMap {
     let (a, b) = (&level.fit, &other.fit);
     let column = |m: &iwan_modal::modes::Mode| (0..b.modes.len()).map(|i| alike(a, m, b, i)).collect();

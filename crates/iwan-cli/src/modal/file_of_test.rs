@@ -1,4 +1,4 @@
-//! From a file to hits: which channel is the hammer, which are sensors, and where they are.
+//! From a file to hits: which channel is the hammer, which are sensors, and at which points they are.
 
 use iwan_machine::listed;
 use std::collections::BTreeMap;
@@ -14,45 +14,45 @@ use super::args::ModalArgs;
 use super::geometry::is_universal;
 use crate::failure::Failure;
 
-/// A hit with what is wrong with it.
+/// A hit with its faults.
 pub(super) struct JudgedHit {
     pub(super) hit: Hit,
-    /// File that it comes from.
+    /// Name of the file that holds the hit.
     pub(super) file: String,
     pub(super) faults: Vec<Fault>,
-    /// Whether there is a pulse in the force, or the force is taken whole.
+    /// Whether the force has a pulse, or `--whole-force` takes the force as measured.
     pub(super) has_pulse: bool,
     pub(super) left_out: bool,
 }
 
 impl JudgedHit {
-    /// Its faults in words.
+    /// The faults as text.
     pub(super) fn in_words(&self) -> Vec<String> {
         self.faults.iter().map(ToString::to_string).collect()
     }
 }
 
-/// Names of channels that are hammers where no file says so.
+/// Words in the name of a channel that mark the hammer where no file says which channel it is.
 const HAMMERS: [&str; 4] = ["force", "hammer", "impact", "load"];
 
-/// Bytes within which a universal file has its first line.
+/// Bytes at the beginning of a file within which the first line of a universal file must stand.
 const HEAD: u64 = 4096;
 
-/// What one file holds.
+/// The contents of one file.
 #[derive(Default)]
 pub(super) struct FileOfTest {
     pub(super) hits: Vec<JudgedHit>,
     pub(super) decays: Vec<(String, f64, Vec<Channel>)>,
     pub(super) functions: Vec<UffFunction>,
-    /// What each channel measures.
+    /// Names of the channels with the quantity that each measures.
     pub(super) quantities: Vec<(String, Quantity)>,
-    /// The bytes of a universal file, which may hold points.
+    /// The bytes of a universal file, from which points may be read; none for other files.
     pub(super) universal: Option<Vec<u8>>,
     pub(super) warnings: Vec<String>,
 }
 
 impl FileOfTest {
-    /// Reads a file, finds its hits and looks for their faults.
+    /// Reads a file, finds its hits and checks them for faults.
     pub(super) fn read(path: &Path, table: &ModalTable, args: &ModalArgs) -> Result<Self, Failure> {
         let name = path.display().to_string();
         let options = ReadOptions { time: args.time.clone(), rate: args.rate, ..ReadOptions::default() };
@@ -73,7 +73,7 @@ impl FileOfTest {
                 continue;
             }
             for hit in cut(record.hit(measurement, args, &mut file.quantities)?) {
-                // A force that is taken whole needs no pulse.
+                // With `--whole-force` a hit without a pulse in the force is no fault.
                 let is_missing = |f: &Fault| matches!(f, Fault::NoPulse { .. });
                 let counts = |f: &&Fault| !(args.whole_force && is_missing(f));
                 let found = faults(&hit);
@@ -88,23 +88,23 @@ impl FileOfTest {
     }
 }
 
-/// Whether a file that was read begins as universal files do.
+/// Whether a file begins as universal files do.
 fn begins_universal(path: &Path) -> bool {
     let mut head = Vec::new();
     let read = File::open(path).and_then(|file| file.take(HEAD).read_to_end(&mut head));
     read.is_ok() && is_universal(&head)
 }
 
-/// Channels that were sampled together, and where they are from.
+/// Where channels that were sampled together come from.
 struct Record<'a> {
     path: &'a Path,
-    /// As messages call it.
+    /// Name of the record in messages.
     place: &'a str,
     table: &'a ModalTable,
 }
 
 impl Record<'_> {
-    /// One free decay.
+    /// The channels of one free decay.
     fn decay(
         &self,
         measurement: Measurement,
@@ -142,7 +142,7 @@ impl Record<'_> {
         Ok((place.into(), measurement.dt, channels))
     }
 
-    /// One record with its hammer and its sensors.
+    /// One hit: the hammer's channel and those of the sensors.
     fn hit(
         &self,
         measurement: Measurement,
@@ -184,8 +184,8 @@ impl Record<'_> {
         Ok(hit)
     }
 
-    /// What is said of channels whose unit is not known, of forces beside the hammer, and of channels whose name speaks of a force though they are taken as
-    /// motions.
+    /// Doubts about channels: a unit that is not known, a force beside the hammer, or a name that speaks of a force although the channel is taken as
+    /// a motion.
     fn doubts(&self, channels: &[MeasuredChannel], args: &ModalArgs) -> Vec<String> {
         let hammer = if args.free { None } else { self.hammer(channels, args) };
         let mut units: BTreeMap<&str, Vec<&str>> = BTreeMap::new();
@@ -229,7 +229,7 @@ impl Record<'_> {
         self.table.channel(self.path, channel)
     }
 
-    /// The hammer's channel: by the user's word, by the table, by what the file says it measures, by its name.
+    /// Index of the hammer's channel: by `--hammer`, else by the table of points, else by the quantity in the file, else by the channel's name.
     fn hammer(&self, channels: &[MeasuredChannel], args: &ModalArgs) -> Option<usize> {
         let place = |is: &dyn Fn(&MeasuredChannel) -> bool| channels.iter().position(is);
         if let Some(name) = &args.hammer {
@@ -240,7 +240,7 @@ impl Record<'_> {
         place(&by_table).or_else(|| place(&|c| c.quantity == Quantity::Force)).or_else(|| place(&by_name))
     }
 
-    /// Where a channel is: by the table, by the file, else a point of the channel's name.
+    /// Point and direction of a channel: by the table, else by the file, else a point with the channel's name.
     fn freedom(&self, channel: &MeasuredChannel) -> Result<Freedom, Failure> {
         if let Some(entry) = self.entry(&channel.name) {
             let direction = Direction::from_name(&entry.direction).ok_or_else(|| {
@@ -264,7 +264,7 @@ fn names_a_force(channel: &str) -> bool {
     HAMMERS.iter().any(|h| name.starts_with(h))
 }
 
-/// A channel in the unit that the table makes of it.
+/// The channel with the table's scale applied.
 fn made(channel: MeasuredChannel, freedom: Freedom, entry: Option<&ChannelEntry>) -> Channel {
     let scale = entry.map_or(1.0, |e| e.scale);
     let mut samples = channel.samples;
@@ -276,7 +276,7 @@ fn made(channel: MeasuredChannel, freedom: Freedom, entry: Option<&ChannelEntry>
     Channel { name: channel.name, freedom, samples }
 }
 
-/// Point and direction of a node.
+/// Point and direction of a node of a universal file.
 pub(super) fn nodal(at: NodalDirection) -> Freedom {
     Freedom { point: at.node.to_string(), direction: Direction::from_code(at.direction).unwrap_or_default() }
 }

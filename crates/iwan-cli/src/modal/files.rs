@@ -15,7 +15,8 @@ use super::analysis::Level;
 use super::geometry::Element;
 use super::hits::Test;
 
-/// Columns of the frequency responses in the band: frequency, then for each function real and imaginary part, those of the fit, and coherence.
+/// Columns of the frequency responses in the band: the frequency (Hz), then for each function the real and imaginary part, those of the fit, and the
+/// coherence.
 pub(super) fn frf_columns(level: &Level) -> Vec<(String, Vec<f64>)> {
     let responses = &level.responses;
     let fitted = &level.fit.fitted;
@@ -48,7 +49,7 @@ pub(super) fn shape_columns(fit: &ModalFit) -> Vec<(String, Vec<f64>)> {
     columns
 }
 
-/// Points, shapes and frequency responses for other programs.
+/// Universal file with points, shapes and frequency responses for other programs.
 pub(super) fn universal(test: &Test, level: &Level, threads: usize) -> String {
     let numbers = Numbers::new(&level.fit);
     let positions = positions(test, &numbers);
@@ -64,24 +65,24 @@ pub(super) fn universal(test: &Test, level: &Level, threads: usize) -> String {
             else {
                 continue;
             };
-            // A point without a direction stands in the column of z; rotations have no column here.
+            // A point without a direction is written in the column of z; rotations have no column here.
             let column = if axis == 0 { 2 } else { axis - 1 };
             if let Some(entry) = values.entry(node).or_insert([[0.0; 2]; 3]).get_mut(column) {
                 *entry = [value.re, value.im].map(|x| x * freedom.direction.sign());
             }
         }
         let (frequency, damping_ratio, pole) = (m.frequency, m.damping_ratio, [m.pole.re, m.pole.im]);
-        // The shapes' own scale: receptances are φ φᵀ/(2i ω_d (s - λ)).
+        // Modal a that fits the scale of these shapes, in which receptances are φ φᵀ/(2i ω_d (s - λ)).
         let scale = if scaled { ModalScale::A([0.0, 2.0 * m.pole.im]) } else { ModalScale::Unknown };
         NodalMode { frequency, damping_ratio, pole, scale, values: values.into_iter().collect() }
     };
     text += &modes(&level.fit.modes.iter().map(mode).collect::<Vec<_>>());
-    // Each function is a text of its own; digits take longer than all else here.
+    // Each function becomes a text of its own, made in parallel: writing the digits takes most of the time here.
     let one = |function: &UffFunction| functions(std::slice::from_ref(function));
     text + &in_parallel(&responses(level, &numbers), threads, &one).concat()
 }
 
-/// Points in all their digits, and elements between them, for programs that draw shapes on them and for `--points`.
+/// Universal file of the points, in all their digits, and the elements between them: for programs that draw shapes, and for `--points`.
 pub(super) fn geometry(test: &Test, level: &Level) -> String {
     let numbers = Numbers::new(&level.fit);
     let of = |element: &Element| {
@@ -93,7 +94,7 @@ pub(super) fn geometry(test: &Test, level: &Level) -> String {
     if elements_measured.is_empty() { text } else { text + &elements(&elements_measured) }
 }
 
-/// Points that were measured and whose position is known.
+/// Points that were measured and whose positions are known.
 fn positions(test: &Test, numbers: &Numbers) -> Vec<Node> {
     let points = test.geometry.points.iter();
     points.filter_map(|p| Some(Node { number: numbers.get(&p.name)?, position: p.position })).collect()
@@ -124,7 +125,7 @@ fn responses(level: &Level, numbers: &Numbers) -> Vec<UffFunction> {
     level.responses.functions.iter().map(function).collect()
 }
 
-/// Node numbers of points: their own where all are whole numbers > 0, else 1, 2, … in the order of the shapes.
+/// Node numbers of points: the points' own names where all are whole numbers > 0, else 1, 2, … in the order of the shapes.
 struct Numbers(BTreeMap<String, i64>);
 
 impl Numbers {

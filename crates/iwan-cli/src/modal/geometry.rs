@@ -1,4 +1,4 @@
-//! Where points are, and lines between them for drawings: from the table of points, or from universal files.
+//! Positions of points and lines between them for drawings: from the table of points, or from universal files.
 
 use std::path::Path;
 
@@ -7,17 +7,17 @@ use iwan_io::{ROD, UffModel};
 
 use crate::failure::Failure;
 
-/// Points with positions, and what lies between them.
+/// Points with positions, and the lines and elements between them.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Geometry {
     pub(super) points: Vec<PointEntry>,
-    /// Pairs of points with a line between, for drawings.
+    /// Pairs of points that a line joins in drawings.
     pub(super) edges: Vec<[String; 2]>,
-    /// The same for programs that know elements alone: elements as they were given, lines as rods.
+    /// The same lines for programs that know elements only: elements as given, lines as rods.
     pub(super) elements: Vec<Element>,
 }
 
-/// An element: the code of its kind in universal files, and its points.
+/// An element: the code of its kind in universal files, and the names of its points.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Element {
     pub(super) kind: i64,
@@ -30,14 +30,14 @@ impl Element {
     }
 }
 
-/// Whether a file begins as universal files do.
+/// Whether bytes begin as universal files do: the first line that is not empty is `-1`.
 pub(super) fn is_universal(bytes: &[u8]) -> bool {
     let first = bytes.split(|b| *b == b'\n').map(<[u8]>::trim_ascii).find(|line| !line.is_empty());
     first == Some(b"-1")
 }
 
 impl Geometry {
-    /// What a table says.
+    /// The geometry that a table of points gives.
     pub(super) fn of_table(table: &ModalTable) -> Self {
         let pairs = |line: &Vec<String>| -> Vec<[String; 2]> {
             line.windows(2).map(|w| [w[0].clone(), w[1].clone()]).collect()
@@ -46,7 +46,7 @@ impl Geometry {
         Self { points: table.points.clone(), elements: edges.iter().map(Element::rod).collect(), edges }
     }
 
-    /// Adds what a universal file says of points that are not known yet; returns what was left out of it.
+    /// Adds the points of a universal file that are not known yet; returns messages on what was left out of the file.
     pub(super) fn add(&mut self, path: &Path, bytes: &[u8]) -> Result<Vec<String>, Failure> {
         let name = path.display().to_string();
         let model = iwan_io::uff_model(path, bytes).map_err(|e| Failure::said(&name, &e))?;
@@ -71,7 +71,7 @@ impl Geometry {
         Ok(model.warnings.iter().map(|w| format!("{name}: {w}")).collect())
     }
 
-    /// Position of a point.
+    /// Position of a point; none where it is not known.
     pub(super) fn position(&self, point: &str) -> Option<[f64; 3]> {
         self.points.iter().find(|p| p.name == point).map(|p| p.position)
     }

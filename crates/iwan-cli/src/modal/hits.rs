@@ -1,4 +1,4 @@
-//! All files of a test together: one motion, the table's entries, hits that are left out.
+//! All files of a test together: one kind of motion for all sensors, the table's entries, hits that are left out.
 
 use iwan_machine::listed;
 use std::path::{Path, PathBuf};
@@ -14,12 +14,12 @@ use super::geometry::{Geometry, is_universal};
 use crate::failure::Failure;
 use crate::records::Motion;
 
-/// What the files hold.
+/// The contents of all files.
 pub(super) struct Test {
     pub(super) hits: Vec<JudgedHit>,
-    /// Free decays without a force: file, interval and channels of each.
+    /// Free decays without a force: name, sampling interval (s) and channels of each.
     pub(super) decays: Vec<(String, f64, Vec<Channel>)>,
-    /// Frequency responses that others measured.
+    /// Frequency responses that another program measured.
     pub(super) functions: Vec<UffFunction>,
     pub(super) motion: Sensed,
     pub(super) table: ModalTable,
@@ -50,7 +50,7 @@ impl Test {
             warnings,
         };
         let mut quantities = Vec::new();
-        // The first file that cannot be read is the one that is named, whatever the threads.
+        // Of several files that cannot be read, the error names the first in their order, whatever the number of threads.
         let read = |path: &PathBuf| FileOfTest::read(path, &test.table, args);
         let files = in_parallel(&args.files, args.common.thread_count(), &read);
         for (path, file) in args.files.iter().zip(files) {
@@ -83,7 +83,7 @@ impl Test {
         Ok(())
     }
 
-    /// One motion for all sensors.
+    /// Chooses the kind of motion (displacement, velocity or acceleration) that all sensors measure.
     fn settle_motion(&mut self, args: &ModalArgs, quantities: &[(String, Quantity)]) -> Result<(), Failure> {
         if args.quantity.is_some() {
             return Ok(());
@@ -122,7 +122,7 @@ impl Test {
         Ok(())
     }
 
-    /// Entries of the table that no file has: a point that is missing, or a name that is wrong.
+    /// Refuses entries of the table that occur in no file: a point is missing, or its name is wrong.
     fn look_for_entries(&self, args: &ModalArgs) -> Result<(), Failure> {
         let Some(place) = &args.points else { return Ok(()) };
         let channels = || {
@@ -173,7 +173,7 @@ impl Test {
         if !self.hits.is_empty() && self.hits.iter().all(|h| h.left_out) {
             return Err(Failure::input("--leave-out leaves no hit", "leave fewer out"));
         }
-        // Responses over noise are no frequency responses.
+        // Dividing a response by a force that is only noise gives no frequency response.
         if let Some(judged) = self.hits.iter().find(|h| !h.left_out && !h.has_pulse) {
             let name = &judged.hit.name;
             return Err(Failure::input(

@@ -1,23 +1,25 @@
-//! From when on the hardest hit's decay is linear: the fan of zeroed spectra.
+//! The time from which the decay of the hardest hit is linear, by zeroed spectra: spectra of the decay with a growing part of its beginning set to
+//! zero.
 
 use iwan_modal::measure::Hit;
 use iwan_modal::{Zeroed, zeroed};
 
 use super::hits::Test;
 
-/// A hit's decay at one sensor, with its zeroed spectra.
+/// The decay of a hit at one sensor, with its zeroed spectra.
 pub(super) struct Decay {
-    /// Hit and channel.
+    /// Names of hit and channel.
     pub(super) place: String,
-    /// From the first sample of the hit to the first of the decay, s.
+    /// Time from the first sample of the hit to the first sample of the decay, s.
     pub(super) start: f64,
     pub(super) zeroed: Zeroed,
 }
 
-/// Force below this part of its peak is over.
+/// The pulse has ended once the force stays below this part of its peak.
 const OVER: f64 = 0.01;
 
-/// The hardest hit where it was hit, or at the sensor that moves most; none where the late half of the record tells no mode.
+/// The decay of the hardest hit at the point of the hit or, where no sensor is there, at the sensor that moves most; none where no mode can be
+/// identified in the late half.
 pub(super) fn hardest(test: &Test, band: (f64, f64)) -> Option<Decay> {
     let used = test.hits.iter().filter(|h| !h.left_out).map(|h| &h.hit);
     let hit = used.max_by(|a, b| a.peak_force().total_cmp(&b.peak_force()))?;
@@ -30,7 +32,7 @@ pub(super) fn hardest(test: &Test, band: (f64, f64)) -> Option<Decay> {
     Some(Decay { place, start: start as f64 * hit.dt, zeroed })
 }
 
-/// The first sample after the hammer has left.
+/// Index of the first sample after the pulse of the hammer.
 fn end_of_pulse(hit: &Hit) -> usize {
     let force = &hit.force.samples;
     let peak = hit.peak_force();

@@ -78,7 +78,7 @@ fn table(summary: &ModalSummary) -> Markup {
     }
 }
 
-/// Poles that stay in the stabilisation chart, and whether the fit has a mode there: what --add-poles and --drop-poles are given.
+/// Poles that remain in the stabilisation chart, and whether the fit has a mode there: the candidates for --add-poles and --drop-poles.
 fn candidates(level: &Level) -> Markup {
     let taken = |frequency: f64| level.fit.mode_at(frequency, &level.responses).is_some();
     html! { @if let Some(chart) = &level.fit.stabilisation {
@@ -96,7 +96,7 @@ fn candidates(level: &Level) -> Markup {
     } }
 }
 
-/// Frequencies and damping level by level: what moves is not linear.
+/// Frequency and damping of each mode at each level: a mode that changes with the level is not linear.
 fn by_level(summary: &ModalSummary) -> Markup {
     html! {
         div.wide { table {
@@ -112,7 +112,7 @@ fn by_level(summary: &ModalSummary) -> Markup {
     }
 }
 
-/// Both ways to the poles, mode by mode.
+/// The poles by both methods, mode by mode.
 fn by_other(summary: &ModalSummary, other: &OtherSummary) -> Markup {
     html! {
         p { (other.found) " modes by " (other.method) ", " (summary.modes.len()) " reported." }
@@ -130,7 +130,7 @@ fn by_other(summary: &ModalSummary, other: &OtherSummary) -> Markup {
     }
 }
 
-/// Mode by mode the time and amplitude from which the decay is linear.
+/// For each mode, the time and amplitude from which its decay is linear.
 fn linear(summary: &ModalSummary) -> Markup {
     html! { @if let Some(found) = &summary.linear_from {
         div.wide { table {

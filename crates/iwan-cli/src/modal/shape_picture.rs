@@ -1,4 +1,4 @@
-//! A mode shape as a drawing that moves in the browser: points where the table says they are, or in a row.
+//! A mode shape as a drawing that the browser animates: the points at their positions from the table, or in a row where positions are missing.
 
 use std::fmt::Write;
 
@@ -7,30 +7,30 @@ use maud::{Markup, PreEscaped, html};
 
 use super::geometry::Geometry;
 
-/// Size of the drawing.
+/// Width and height of the drawing.
 const SIZE: (f64, f64) = (560.0, 220.0);
-/// Largest displacement over the smaller side of the drawing: a shape is seen, and the structure recognised.
+/// Largest displacement as a part of the drawing's smaller side: the shape is visible, and the structure still recognisable.
 const EXAGGERATION: f64 = 0.18;
-/// Timing of the animation: 1.6 s a cycle, slow enough to follow with the eye, fast in the middle and slow at the ends as a vibration is.
+/// Timing of the animation: 1.6 s per cycle can be followed with the eye; the motion is fast in the middle and slow at the ends, as in a vibration.
 const TIMING: &str = "dur=\"1.6s\" repeatCount=\"indefinite\" calcMode=\"spline\" keyTimes=\"0;0.5;1\" keySplines=\"0.37 0 0.63 1;0.37 0 0.63 1\"";
 
-/// A point of the drawing: where it stands, and how far it moves.
+/// A point of the drawing: its position at rest and its displacement.
 struct Drawn {
     point: String,
     at: (f64, f64),
     step: (f64, f64),
-    /// Sign of its largest value.
+    /// Whether its largest shape value is negative.
     negative: bool,
 }
 
 impl Drawn {
-    /// At an end of its way: `side` 1 or -1.
+    /// The point at one end of its motion; `side` is 1 or -1.
     fn end(&self, side: f64) -> (f64, f64) {
         (self.at.0 + side * self.step.0, self.at.1 + side * self.step.1)
     }
 }
 
-/// The drawing of real shape values at freedoms.
+/// The drawing of the real shape values `shape` at `freedoms`.
 pub(super) fn draw(geometry: &Geometry, freedoms: &[Freedom], shape: &[f64], title: &str) -> Markup {
     let points = points(geometry, freedoms, shape);
     let mut drawing = String::new();
@@ -78,7 +78,7 @@ pub(super) fn draw(geometry: &Geometry, freedoms: &[Freedom], shape: &[f64], tit
     }
 }
 
-/// The points in the drawing's units, each with what all its freedoms move it.
+/// The points in the units of the drawing, each displaced by the sum of the shape's values in all its directions.
 fn points(geometry: &Geometry, freedoms: &[Freedom], shape: &[f64]) -> Vec<Drawn> {
     let places = places(geometry, freedoms);
     let (low, high) = places.iter().fold(([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]), |(a, b), p| {
@@ -109,19 +109,19 @@ fn points(geometry: &Geometry, freedoms: &[Freedom], shape: &[f64]) -> Vec<Drawn
     points
 }
 
-/// Where the points are drawn: projected positions, or a row in the order of the channels where a position is missing.
+/// Positions of the points in the drawing: projected, or in a row in the order of the channels where a position is missing.
 fn places(geometry: &Geometry, freedoms: &[Freedom]) -> Vec<[f64; 2]> {
     let position = |f: &Freedom| geometry.position(&f.point).map(projected);
     let all: Option<Vec<_>> = freedoms.iter().map(position).collect();
     all.unwrap_or_else(|| (0..freedoms.len()).map(|i| [i as f64, 0.0]).collect())
 }
 
-/// Seen from above at the right: x to the right, y backwards, z upwards.
+/// Projection from above and from the right: x points to the right, y backwards, z upwards.
 fn projected([x, y, z]: [f64; 3]) -> [f64; 2] {
     [x + 0.35 * y, 0.3 * y + z]
 }
 
-/// The direction of a freedom; points without one move upwards.
+/// Unit vector of a freedom; points without a direction move upwards.
 fn axis(freedom: &Freedom) -> [f64; 3] {
     let sign = freedom.direction.sign();
     match freedom.direction.code().abs() {

@@ -1,4 +1,4 @@
-//! What `iwan modal` says: `modal.json`, and the table on the terminal.
+//! The summary of `iwan modal`: `modal.json` and the table on the terminal.
 
 use std::fmt::Write;
 
@@ -23,52 +23,53 @@ pub(crate) struct ModeSummary {
     pub(crate) frequency_sd: f64,
     pub(crate) damping_ratio: f64,
     pub(crate) damping_ratio_sd: f64,
-    /// Real shape by channel.
+    /// Real shape values by channel.
     pub(crate) shape: Map<String, Value>,
     pub(crate) shape_sd: Map<String, Value>,
-    /// Complex shape by channel, [re, im].
+    /// Complex shape values by channel, [re, im].
     pub(crate) complex_shape: Map<String, Value>,
-    /// Real shape at the hammer, along its force; null without a drive point.
+    /// Real shape value at the hammer, along its force; null without a drive point.
     pub(crate) shape_at_force: Option<f64>,
-    /// Factor by which the shape was stretched to the scale of the decay's begin; null for a linear mode.
+    /// Factor that stretches the shape to the scale of the beginning of the decay (an amplitude-dependent mode changes while it rings down); null for
+    /// a linear mode.
     pub(crate) stretch: Option<f64>,
     pub(crate) phase_collinearity: f64,
     pub(crate) reciprocity: Option<f64>,
-    /// Frequency of the mode that this is probably a sideband of, Hz; null for a mode.
+    /// Frequency of the mode of which this one is probably a sideband, Hz; null for a mode of its own.
     pub(crate) sideband_of: Option<f64>,
 }
 
-/// From when on a mode of the hardest hit is linear, by zeroed spectra.
+/// The time from which a mode of the hardest hit is linear, by zeroed spectra.
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct LinearSummary {
-    /// Of the late half of the decay, Hz.
+    /// Frequency in the late half of the decay, Hz.
     pub(crate) frequency: f64,
     pub(crate) damping_ratio: f64,
-    /// s from the first sample of the hit; null where the decay is not linear before its late half.
+    /// Time from the first sample of the hit, s; null where the decay is not linear before its late half.
     pub(crate) time: Option<f64>,
-    /// Amplitude then, in the unit of the channel.
+    /// Amplitude at that time, in the unit of the channel.
     pub(crate) amplitude: Option<f64>,
 }
 
-/// The fan of the hardest hit in words and numbers.
+/// The linearity of the hardest hit's decay, mode by mode.
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct LinearitySummary {
-    /// Hit and channel.
+    /// Names of hit and channel.
     pub(crate) of: String,
     pub(crate) modes: Vec<LinearSummary>,
 }
 
-/// What another way to the poles ends in.
+/// Results of the other method for the poles (`--compare`).
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct OtherSummary {
     pub(crate) method: &'static str,
-    /// Number of modes that it finds.
+    /// Number of modes that the other method finds.
     pub(crate) found: usize,
-    /// One entry for each reported mode; null where the other way has no such mode.
+    /// One entry for each reported mode; null where the other method finds no such mode.
     pub(crate) modes: Vec<Option<LevelMode>>,
 }
 
-/// Frequency and damping of a mode at another level.
+/// Frequency and damping of a mode at another level, or by another method.
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct LevelMode {
     pub(crate) frequency: f64,
@@ -77,13 +78,13 @@ pub(crate) struct LevelMode {
     pub(crate) mac: f64,
 }
 
-/// A level of force.
+/// A level of force: hits of similar peak force.
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct LevelSummary {
-    /// Mean peak force.
+    /// Mean peak force of its hits.
     pub(crate) force: f64,
     pub(crate) hits: Vec<String>,
-    /// Root mean square of what the fit leaves over that of the responses.
+    /// Root mean square of the fit's residual over that of the responses.
     pub(crate) misfit: f64,
     /// One entry for each reported mode; null where the level has no such mode.
     pub(crate) modes: Vec<Option<LevelMode>>,
@@ -98,28 +99,28 @@ pub(crate) struct HitSummary {
     pub(crate) left_out: bool,
 }
 
-/// The whole.
+/// The whole summary.
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct ModalSummary {
-    /// Files that were read, as absolute paths where they can be told, so that `iwan fit --modal` finds them.
+    /// Files that were read, as absolute paths where these can be found, so that `iwan fit --modal` finds them from any folder.
     pub(crate) sources: Vec<String>,
     pub(crate) quantity: &'static str,
     pub(crate) band: [f64; 2],
     pub(crate) mass_normalised: bool,
-    /// Which level the modes are of, counted from 1.
+    /// Number of the level whose modes are reported, from 1.
     pub(crate) level: usize,
     pub(crate) channels: Vec<String>,
     pub(crate) freedoms: Vec<String>,
     pub(crate) modes: Vec<ModeSummary>,
     pub(crate) levels: Vec<LevelSummary>,
-    /// The other way of `--compare`.
+    /// Results of the other method that `--compare` asks for.
     pub(crate) other: Option<OtherSummary>,
     pub(crate) linear_from: Option<LinearitySummary>,
     pub(crate) hits: Vec<HitSummary>,
     pub(crate) warnings: Vec<String>,
 }
 
-/// Below this mean coherence of a response in the band noise, or a channel that is not what it seems, decides.
+/// A response whose mean coherence in the band is below this gets a warning: noise, or a wrongly assigned channel, dominates it.
 const INCOHERENT: f64 = 0.5;
 
 impl ModalSummary {
@@ -188,7 +189,7 @@ impl ModalSummary {
     }
 }
 
-/// The modes of another fit that go with those of a fit.
+/// For each mode of `fit`, the mode of the `other` fit that corresponds to it.
 fn beside(fit: &ModalFit, other: &ModalFit) -> Vec<Option<LevelMode>> {
     let mode = |partner: Option<(usize, f64)>| {
         let (i, mac) = partner?;
@@ -213,7 +214,7 @@ fn hit(judged: &JudgedHit) -> HitSummary {
     HitSummary { name, peak_force, faults: judged.in_words(), left_out: judged.left_out }
 }
 
-/// Channels that stand at the end of their range in every hit that is taken.
+/// Channels that are overloaded in every hit that is used.
 fn always_overloaded(taken: &[&JudgedHit]) -> Vec<String> {
     let of = |hit: &&JudgedHit| -> Vec<String> {
         let channel = |fault: &Fault| match fault {
@@ -227,7 +228,7 @@ fn always_overloaded(taken: &[&JudgedHit]) -> Vec<String> {
     all.fold(first, |left, own| left.into_iter().filter(|name| own.contains(name)).collect())
 }
 
-/// What becomes of a channel that no hit spares: to leave the hits out would leave none.
+/// The warning on a channel that is overloaded in every hit: leaving out the overloaded hits would leave none.
 fn without_remedy(name: &str, taken: &[&JudgedHit], fit: &ModalFit) -> String {
     let hits = if taken.len() == 1 { taken[0].hit.name.clone() } else { format!("all {} hits", taken.len()) };
     let normalises = fit.scale != Scale::LargestIsOne
@@ -245,7 +246,7 @@ fn without_remedy(name: &str, taken: &[&JudgedHit], fit: &ModalFit) -> String {
     )
 }
 
-/// What is said where the modes leave most channels unexplained; `given` are the frequencies that the user gave.
+/// The warning where the modes leave most of the responses unexplained; `given` are the frequencies that the user gave.
 fn missing_modes(fit: &ModalFit, given: &[f64]) -> String {
     let place = format!(
         "the modes leave {:.0} % of the responses between {:.3} and {:.3} Hz",
@@ -263,7 +264,7 @@ fn missing_modes(fit: &ModalFit, given: &[f64]) -> String {
     )
 }
 
-/// Modes of which the damping is not told.
+/// A warning that names the modes whose damping ratio is smaller than its standard deviation.
 fn without_damping(fit: &ModalFit) -> Option<String> {
     let is_not_told = |m: &&iwan_modal::modes::Mode| m.damping_ratio < m.damping_ratio_sd;
     let list: Vec<String> =
@@ -348,7 +349,7 @@ fn warnings(test: &Test, level: &Level, given: &[f64]) -> Vec<String> {
     warnings
 }
 
-/// What is said of sidebands, and how to go without them.
+/// A warning that names probable sidebands, and the option that leaves them out.
 fn sideband_words(fit: &ModalFit, found: &Sidebands) -> Option<String> {
     let list: Vec<String> = found.all.iter().map(|s| format!("{:.2}", fit.modes[s.mode].frequency)).collect();
     Some(format!("{}: leave them out with --drop-poles {}", fit.sideband_doubt()?, list.join(",")))
@@ -403,7 +404,7 @@ impl Summary for ModalSummary {
     }
 }
 
-/// A line for each mode that another way or level has too.
+/// Appends a line for each mode that the other method or level has too.
 fn lines_of(text: &mut String, modes: &[Option<LevelMode>]) {
     for mode in modes.iter().flatten() {
         let _ = writeln!(

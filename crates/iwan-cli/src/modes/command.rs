@@ -64,7 +64,7 @@ fn format_of(written: Written) -> MatrixFormat {
     }
 }
 
-/// The reduced model, whose folder opens again.
+/// Writes the reduced model as a folder that can be opened in place of a structure file.
 fn write_reduced(
     session: &mut Session,
     source: &InputText,

@@ -11,12 +11,11 @@ use crate::page::solid::{Deformation, Solid, by_share, length};
 use crate::structures::Linear;
 use crate::structures::picture::{MOST_FACES, mesh_picture};
 
-/// Pictures of shapes, at most: what one reads through; all shapes are in `modes.vtu`.
+/// Most pictures of shapes on the page; all shapes are in `modes.vtu`.
 const MOST_SHAPES: usize = 12;
-/// Largest displacement of a picture over the diagonal of the mesh. From 0.05 to 0.1 a shape is seen and the structure is
-/// still recognised.
+/// Largest displacement of a picture as a part of the mesh's diagonal. From 0.05 to 0.1 the shape is visible and the structure still recognisable.
 const EXAGGERATION: f64 = 0.07;
-/// Slips named below a picture, at most: one line; the largest come first.
+/// Most slips named below a picture, the largest first: they fill one line.
 const MOST_SLIPS: usize = 4;
 
 /// The page.
@@ -83,7 +82,7 @@ fn shape(linear: &Linear, solid: &Solid<'_>, mode: &NamedMode) -> Markup {
     }
 }
 
-/// Which joints slip most in a mode.
+/// Names the joints that slip most in a mode.
 fn slips(linear: &Linear, shape: &[f64], largest: f64) -> String {
     let mut slips: Vec<(f64, &str)> = linear
         .assembled

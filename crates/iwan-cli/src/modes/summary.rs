@@ -1,4 +1,4 @@
-//! What `iwan modes` says: `summary.json` and the table on the terminal.
+//! The summary of `iwan modes`: `summary.json` and the table on the terminal.
 
 use std::fmt::Write;
 
@@ -14,13 +14,13 @@ use crate::structures::{Linear, Size};
 pub(crate) struct ModesSummary {
     /// The structure's title, or its name.
     pub(crate) structure: String,
-    /// How large it is.
+    /// Numbers of nodes, elements, unknowns and joints.
     pub(crate) size: Size,
     /// Elastic frequencies with all joints stuck, Hz, ascending.
     pub(crate) stuck: Vec<f64>,
-    /// The same with all joints slipping.
+    /// Elastic frequencies with all joints slipping, Hz, ascending.
     pub(crate) slipping: Vec<f64>,
-    /// Numbers of zero modes.
+    /// Numbers of zero modes (rigid-body motions and mechanisms) in both limits.
     pub(crate) zero_modes: ZeroModes,
     /// The bending modes, stuck and slipping.
     pub(crate) joint_modes: Vec<Pair>,
@@ -32,29 +32,29 @@ pub(crate) struct ModesSummary {
     pub(crate) seconds: f64,
 }
 
-/// Zero modes in both limits.
+/// Numbers of zero modes with all joints stuck and with all slipping.
 #[derive(Debug, Clone, Copy, Serialize)]
 pub(crate) struct ZeroModes {
     pub(crate) stuck: usize,
     pub(crate) slipping: usize,
 }
 
-/// A stuck mode and the slipping mode most like it.
+/// A stuck mode and the slipping mode with the most similar shape.
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct Pair {
     pub(crate) name: String,
     pub(crate) class: &'static str,
-    /// Hz.
+    /// Frequency with all joints stuck, Hz.
     pub(crate) frequency_stuck: f64,
-    /// Hz.
+    /// Frequency with all joints slipping, Hz.
     pub(crate) frequency_slipping: f64,
-    /// ω0² - ω∞², 1/s².
+    /// Modal joint stiffness K_T = ω0² - ω∞², 1/s².
     pub(crate) k_t: f64,
     pub(crate) mac: f64,
 }
 
 impl ModesSummary {
-    /// Of a structure.
+    /// Makes the summary of a structure's modes.
     pub(crate) fn new(linear: &Linear, seconds: f64) -> Self {
         let pair = |mode: &NamedMode| Pair {
             name: mode.name.clone(),

@@ -1,39 +1,39 @@
-//! Long histories as short lines that look the same.
+//! Long histories shortened to polylines that look the same.
 
-/// Stretches of a history, of each of which the smallest and the largest value are drawn. The plane of a figure is 494 units
-/// wide, nearly pixels: more stretches are not seen and make the page larger, fewer than 500 make a ring-down ragged.
+/// Number of stretches into which a history is cut; the smallest and the largest value of each are drawn. The plane of a figure is 494 units (nearly
+/// pixels) wide: more stretches are not visible and make the page larger, fewer than 500 make a ring-down look ragged.
 pub(crate) const STRETCHES: usize = 700;
 
-/// Points of `samples` at `dt`: the smallest and the largest of each of `bins` stretches, in their order, and both ends of
-/// the history. A history of up to twice as many samples stays as it is.
+/// The points (time, value) to draw of `samples` at the interval `dt`: the smallest and the largest sample of each of `bins` stretches, in their
+/// order, and both ends. A history of at most twice as many samples is returned whole.
 pub(crate) fn history(samples: &[f64], dt: f64, bins: usize) -> Vec<(f64, f64)> {
     let mut passing = Passing::new(samples.len(), bins);
     passing.add(samples);
     passing.points(dt)
 }
 
-/// A history that goes by, of which only what is drawn is kept.
+/// A history whose samples arrive piece by piece; only the points to be drawn are kept.
 #[derive(Debug, Clone)]
 pub(crate) struct Passing {
-    /// Number of all samples, and of those that went by.
+    /// Number of all samples, and below it of those that have arrived.
     length: usize,
     passed: usize,
     bins: usize,
-    /// Number and value of the samples that are kept, in their order.
+    /// Number and value of each kept sample, in their order.
     kept: Vec<(usize, f64)>,
-    /// The smallest and the largest of the stretch that goes by.
+    /// The smallest and the largest sample of the current stretch.
     extremes: Option<[(usize, f64); 2]>,
-    /// End of that stretch.
+    /// End of the current stretch, as a sample number.
     until: usize,
 }
 
 impl Passing {
-    /// A history of `length` samples.
+    /// Begins a history of `length` samples, to be drawn in `bins` stretches.
     pub(crate) fn new(length: usize, bins: usize) -> Self {
         Self { length, passed: 0, bins, kept: Vec::new(), extremes: None, until: 0 }
     }
 
-    /// The samples that come next.
+    /// Adds the next samples.
     pub(crate) fn add(&mut self, samples: &[f64]) {
         for &value in samples {
             let this = (self.passed, value);
@@ -49,7 +49,7 @@ impl Passing {
     fn follow(&mut self, this: (usize, f64)) {
         if this.0 >= self.until {
             self.close();
-            // The stretch in which this sample lies.
+            // The stretch that contains this sample.
             let bin = ((this.0 + 1) * self.bins - 1) / self.length;
             self.until = (bin + 1) * self.length / self.bins;
         }
@@ -69,7 +69,7 @@ impl Passing {
         self.kept.extend(self.extremes.take().into_iter().flatten());
     }
 
-    /// What is drawn, as time and value.
+    /// The points to draw, as time and value.
     pub(crate) fn points(mut self, dt: f64) -> Vec<(f64, f64)> {
         self.close();
         self.kept.sort_unstable_by_key(|point| point.0);
@@ -78,7 +78,7 @@ impl Passing {
     }
 }
 
-/// The highest point of each of `bins` stretches of equal ratio in x; points with x <= 0 have no place.
+/// The highest point of each of `bins` stretches of equal ratio in x; points with x <= 0 are left out.
 pub(crate) fn crests(points: &[(f64, f64)], bins: usize) -> Vec<(f64, f64)> {
     let (Some(first), Some(last)) = (points.iter().find(|p| p.0 > 0.0), points.last()) else {
         return Vec::new();
@@ -132,7 +132,7 @@ mod tests {
         }
         let points = passing.points(1e-3);
         assert_eq!(points, history(&samples, 1e-3, 300));
-        // Each stretch's smallest and largest, sought anew.
+        // The smallest and the largest value of each stretch, found again from the samples.
         for bin in 0..300 {
             let range = bin * samples.len() / 300..(bin + 1) * samples.len() / 300;
             let most = samples[range].iter().copied().fold(f64::NEG_INFINITY, f64::max);

@@ -6,7 +6,7 @@ use maud::{Markup, html};
 
 use super::scale::{Scale, Spread, Ticks, superscript};
 
-/// Colours of Okabe and Ito, told apart by colour-blind eyes too.
+/// Colours of Okabe and Ito, which colour-blind readers can tell apart, too.
 pub(crate) mod colour {
     pub(crate) const BLUE: &str = "#0072B2";
     pub(crate) const VERMILLION: &str = "#D55E00";
@@ -26,17 +26,17 @@ pub(crate) enum Mark {
     Dashed,
     /// Small circles.
     Dots,
-    /// The inside of a closed line, pale.
+    /// The inside of a closed line, in a pale colour.
     Area,
 }
 
-/// Standard deviations from a curve to either edge of its pale band: 95 % of a normal distribution.
+/// Half width of the pale band around a curve, in standard deviations: 95 % of a normal distribution.
 pub(crate) const DEVIATIONS: f64 = 1.96;
 
-/// Points drawn alike.
+/// Points that are drawn with one mark in one colour.
 #[derive(Debug, Clone)]
 pub(crate) struct Layer {
-    /// Name in the legend; none for no entry.
+    /// Name in the legend; none for a layer without an entry.
     pub(crate) name: Option<String>,
     pub(crate) mark: Mark,
     pub(crate) colour: &'static str,
@@ -49,7 +49,7 @@ impl Layer {
         Self { name: None, mark, colour, points }
     }
 
-    /// With a name in the legend.
+    /// The layer with a name in the legend.
     pub(crate) fn named(self, name: impl Into<String>) -> Self {
         Self { name: Some(name.into()), ..self }
     }
@@ -59,7 +59,7 @@ impl Layer {
 #[derive(Debug, Clone)]
 pub(crate) struct Axis {
     pub(crate) label: String,
-    /// Unit behind the label, where there is one.
+    /// Unit, written behind the label; empty for none.
     pub(crate) unit: String,
     pub(crate) spread: Spread,
 }
@@ -84,7 +84,8 @@ impl Axis {
 }
 
 impl Axis {
-    /// The titles of both axes, each with the power of ten taken out of its labels; `before` is the room that long labels need before the drawing.
+    /// The titles of both axes, each with the power of ten that was taken out of its tick labels; `before` is the room to the left of the drawing
+    /// that long labels need.
     pub(super) fn titles(x: &Self, y: &Self, x_exponent: i32, y_exponent: i32, before: f64) -> Markup {
         let (middle_x, middle_y) = (0.5 * (LEFT + RIGHT), 0.5 * (TOP + BOTTOM));
         let turned = format!("translate({} {middle_y}) rotate(-90)", 17.0 - before);
@@ -95,10 +96,10 @@ impl Axis {
     }
 }
 
-/// A vertical line with a label, drawn when it lies on the axis.
+/// A vertical line with a label, drawn where its value lies on the axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Marker {
-    /// Where on the axis of x.
+    /// Position on the axis of x.
     pub(crate) value: f64,
     pub(crate) label: &'static str,
 }
@@ -107,7 +108,7 @@ pub(crate) struct Marker {
 #[derive(Debug, Clone)]
 pub(crate) struct Figure {
     pub(crate) title: String,
-    /// What to see, below the figure.
+    /// What the figure shows, as text below it.
     pub(crate) caption: String,
     pub(crate) x: Axis,
     pub(crate) y: Axis,
@@ -115,29 +116,29 @@ pub(crate) struct Figure {
     pub(crate) marker: Option<Marker>,
 }
 
-/// Width of the drawing, in units that are nearly pixels where two figures stand side by side on a page of full width
-/// (style.css gives each 586 then); the browser scales it to any other width.
+/// Width of the drawing, in units of nearly a pixel where two figures stand side by side on a page of full width (style.css gives each 586 pixels
+/// there); the browser scales the drawing to any other width.
 pub(super) const WIDTH: f64 = 600.0;
-/// Height of the drawing. A matter of taste, from 300 to 400.
+/// Height of the drawing. A matter of taste; from 300 to 400 do as well.
 pub(super) const HEIGHT: f64 = 350.0;
-/// Left edge of the plane: labels of [`SHORT`] characters (style.css sets them 13 high) and the turned title stand before it.
+/// Left edge of the plane: labels of [`SHORT`] characters (13 high in style.css) and the turned title fit to the left of it.
 pub(super) const LEFT: f64 = 84.0;
-/// Right edge of the plane: half of a label at the last tick stands behind it.
+/// Right edge of the plane: half of a label at the last tick fits to the right of it.
 pub(super) const RIGHT: f64 = 578.0;
-/// Upper edge of the plane: one line of the legend stands above it.
+/// Upper edge of the plane: one line of the legend fits above it.
 pub(super) const TOP: f64 = 30.0;
-/// Lower edge of the plane: labels and the title stand below it.
+/// Lower edge of the plane: tick labels and the title fit below it.
 pub(super) const BOTTOM: f64 = 296.0;
-/// Width of a character of the legend: the mean of a font without serifs, 13 high. Names of wide letters come out longer and
-/// take from the gap behind them.
+/// Width of a character in the legend: the mean of a sans-serif font 13 high. A name of wide letters is longer than computed and reaches into the gap
+/// behind it.
 const CHARACTER: f64 = 7.3;
-/// Characters of a label on the axis of y for which there is room beside the turned title; longer ones make the drawing wider, to the left.
+/// Characters of a label on the axis of y for which there is room beside the turned title; longer labels make the drawing wider to the left.
 const SHORT: usize = 6;
-/// Room that an entry of the legend takes beside its name: its mark (28) and the gap before the next entry (16).
+/// Room that an entry of the legend takes beside its name: its mark (28) and the gap to the next entry (16).
 const KEY: f64 = 44.0;
-/// Height of a line of the legend, for letters 13 high; further lines make the drawing higher, the plane stays.
+/// Height of a line of the legend, for letters 13 high; further lines make the drawing higher, while the plane keeps its size.
 const LINE: f64 = 18.0;
-/// Ticks sought along an axis: 80 units apart across, 45 up, so that labels of seven digits do not touch.
+/// Number of ticks aimed at along an axis: ticks are then 80 units apart across and 45 up, so that labels of seven digits do not touch.
 const TICKS: f64 = 6.0;
 
 /// Both scales of a figure.
@@ -170,7 +171,7 @@ impl Plane {
         BOTTOM + (TOP - BOTTOM) * self.y.share(value).clamp(0.0, 1.0)
     }
 
-    /// Places of the points that have one; what lies beyond an axis is drawn on the frame.
+    /// Positions in the drawing of the points that have one; a point beyond the end of an axis is drawn on the frame.
     fn places(&self, points: &[(f64, f64)]) -> Vec<(f64, f64)> {
         let has_place = |&&(x, y): &&(f64, f64)| self.x.share(x).is_finite() && self.y.share(y).is_finite();
         points.iter().filter(has_place).map(|&(x, y)| (self.x(x), self.y(y))).collect()
@@ -178,7 +179,7 @@ impl Plane {
 }
 
 impl Ticks {
-    /// Room before the drawing that labels on the axis of y need, where they are long.
+    /// Room to the left of the drawing that long labels on the axis of y need.
     pub(super) fn room_before(&self) -> f64 {
         let lengths =
             self.ticks.iter().filter_map(|tick| tick.label.as_ref()).map(|label| label.chars().count());
@@ -225,14 +226,14 @@ impl Figure {
         }
     }
 
-    /// Whether the first layer runs in the upper half beyond `x`: a label goes below it then.
+    /// Whether the first layer lies in the upper half of the plane beyond `x`; the marker's label is then placed below it.
     fn is_high_beyond(&self, plane: &Plane, x: f64) -> bool {
         let beyond = self.layers.iter().take(1).flat_map(|layer| &layer.points).filter(|p| p.0 >= x);
         let (sum, count) = beyond.fold((0.0, 0.0), |(sum, n), p| (sum + plane.y.share(p.1), n + 1.0));
         sum > 0.5 * count
     }
 
-    /// Entries of the legend in as many lines as they need.
+    /// Entries of the legend, broken into as many lines as they need.
     fn legend_lines(&self) -> Vec<Vec<(&Layer, &str)>> {
         let mut lines: Vec<Vec<(&Layer, &str)>> = Vec::new();
         let mut left = 0.0;
@@ -254,7 +255,7 @@ fn key_width(name: &str) -> f64 {
     KEY + CHARACTER * name.chars().count() as f64
 }
 
-/// The legend above the plane, its last line nearest; lines end at the right.
+/// The legend above the plane, its last line nearest to the plane; lines are flush right.
 fn draw_legend(lines: &[Vec<(&Layer, &str)>]) -> Markup {
     let mut placed = Vec::new();
     for (n, line) in lines.iter().rev().enumerate() {
@@ -298,7 +299,7 @@ fn draw_layer(plane: &Plane, layer: &Layer) -> Markup {
     }
 }
 
-/// The line through the places, as SVG draws it.
+/// The polyline through the positions as an SVG path.
 fn outline(places: &[(f64, f64)]) -> String {
     let mut d = String::with_capacity(12 * places.len());
     for (n, (x, y)) in places.iter().enumerate() {
@@ -314,7 +315,7 @@ fn path(places: &[(f64, f64)], layer: &Layer) -> Markup {
     html! { path d=(d) fill="none" stroke=(layer.colour) stroke-dasharray=[dash] {} }
 }
 
-/// Ticks with their labels, and lines across the plane where these are wanted.
+/// Ticks with their labels, and grid lines across the plane where `lines` is true.
 pub(super) fn grid(plane: &Plane, x_ticks: &Ticks, y_ticks: &Ticks, lines: bool) -> Markup {
     let place = |value: f64| format!("{value:.1}");
     html! {

@@ -1,4 +1,4 @@
-//! A figure of cells in shades: a quantity over two axes.
+//! A figure of shaded cells: a quantity over two axes.
 
 use std::fmt::Write;
 
@@ -7,18 +7,18 @@ use maud::{Markup, html};
 use super::figure::{Axis, BOTTOM, HEIGHT, LEFT, Plane, RIGHT, TOP, WIDTH, grid};
 use super::scale::Scale;
 
-/// Shades from little to much: dark enough to be told apart by all eyes and in print, light for little as paper is. More would make
-/// the drawing larger, and nobody would see them.
+/// Shades from low to high values: dark enough to be told apart by all readers and in print, and as light as paper for low values. More shades would
+/// make the drawing larger without a visible gain.
 const SHADES: [&str; 10] = [
     "#f2f7fb", "#dcebf5", "#c3dded", "#a4cbe2", "#7fb5d6", "#5a9cc8", "#3a82b7", "#2167a1", "#114c83",
     "#08305e",
 ];
 
-/// Cells over two axes.
+/// Shaded cells over two axes.
 #[derive(Debug, Clone)]
 pub(crate) struct HeatMap {
     pub(crate) title: String,
-    /// What to see, below the figure.
+    /// What the figure shows, as text below it.
     pub(crate) caption: String,
     pub(crate) x: Axis,
     pub(crate) y: Axis,
@@ -28,9 +28,9 @@ pub(crate) struct HeatMap {
     pub(crate) up: (f64, f64),
     /// `values[column][row]` from 0 (light) to 1 (dark), rows from below; all columns equally long.
     pub(crate) values: Vec<Vec<f64>>,
-    /// Two places on the axis of y between which something is.
+    /// Two values on the axis of y that are marked by lines, as the edges of a frequency band.
     pub(crate) band: Option<(f64, f64)>,
-    /// What light and dark mean.
+    /// Meaning of the lightest and the darkest shade.
     pub(crate) ends: (String, String),
 }
 
@@ -65,7 +65,7 @@ impl HeatMap {
         }
     }
 
-    /// One path for each shade, of runs of equal cells along the rows.
+    /// One path for each shade, made of runs of equal cells along the rows.
     fn cells(&self) -> Markup {
         let columns = self.values.len().max(1);
         let rows = self.values.first().map_or(1, Vec::len).max(1);

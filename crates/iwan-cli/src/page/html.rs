@@ -1,10 +1,10 @@
-//! What every page has: it stands alone, says first what to look at, and sets figures side by side.
+//! What all pages share: a page is one self-contained file, begins with the verdict, and sets figures side by side.
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 use super::figure::Figure;
 
-/// A page that stands alone.
+/// A self-contained HTML page.
 pub(crate) fn page(title: &str, body: &Markup) -> String {
     let page = html! {
         (DOCTYPE)
@@ -21,7 +21,7 @@ pub(crate) fn page(title: &str, body: &Markup) -> String {
     page.into_string()
 }
 
-/// What the user should look at, where there is something.
+/// The warnings as a box; nothing where there are none.
 pub(crate) fn warnings(warnings: &[String]) -> Markup {
     html! {
         @if !warnings.is_empty() {
@@ -30,7 +30,7 @@ pub(crate) fn warnings(warnings: &[String]) -> Markup {
     }
 }
 
-/// All is well, or what the user should look at; then how exact the result is.
+/// The verdict of a page: that all is well, or the warnings; then how exact the result is.
 pub(crate) fn verdict(warnings: &[String], exactness: &Markup) -> Markup {
     html! {
         div class=(if warnings.is_empty() { "verdict" } else { "verdict look" }) {

@@ -3,25 +3,26 @@
 pub(crate) use iwan_sim::numbers::short;
 use iwan_sim::numbers::significant;
 
-/// A number with seven significant digits: frequencies of ring-downs are known that well.
+/// A number with seven significant digits, as exactly as frequencies of ring-downs are known.
 pub(crate) fn long(value: f64) -> String {
     significant(value, 7, 1e7)
 }
 
-/// An estimated error with two digits: what matters is its size.
+/// An estimated error with two digits: only its order of magnitude matters.
 pub(crate) fn error(value: f64) -> String {
     if value == 0.0 { "0".into() } else { format!("{value:.1e}") }
 }
 
-/// A number as `text` writes it, or a dash where there is none.
+/// A number as the function `text` writes it, or a dash where there is none.
 pub(crate) fn or_dash(value: Option<f64>, text: fn(f64) -> String) -> String {
     value.map_or_else(|| "-".into(), text)
 }
 
-/// Share of the last digit by which an end may lie beyond what is shown: less than a thousandth of a tenth of the interval, and far more than the rounding of binary digits.
+/// An end of an interval may lie beyond the value shown by this part of the last digit: less than a thousandth of a tenth of the interval, and far
+/// more than binary rounding.
 const ROUNDING: f64 = 1e-3;
 
-/// An interval as text: open ends say so. Closed ends are rounded outwards, so that a best value next to an end is never shown beyond it.
+/// An interval as text; an open end is named as open. Closed ends are rounded outwards, so that the best value never lies outside the interval shown.
 pub(crate) fn interval(low: Option<f64>, high: Option<f64>) -> String {
     match (low, high) {
         (Some(low), Some(high)) => {
@@ -30,7 +31,7 @@ pub(crate) fn interval(low: Option<f64>, high: Option<f64>) -> String {
             let (low, high) = (low / size, high / size);
             let decimals = decimals(high - low);
             let unit = 10_f64.powf(decimals as f64).round();
-            // What binary fractions are off by does not move an end by a whole unit.
+            // The rounding error of binary fractions must not move an end by a whole unit of the last digit.
             let (low, high) =
                 ((low * unit + ROUNDING).floor() / unit, (high * unit - ROUNDING).ceil() / unit);
             let power = if exponent == 0 { String::new() } else { format!("e{exponent}") };
@@ -42,14 +43,14 @@ pub(crate) fn interval(low: Option<f64>, high: Option<f64>) -> String {
     }
 }
 
-/// The power of ten that both ends of an interval share, as [`short`] writes numbers of this size.
+/// The power of ten that both ends of an interval share, chosen as [`short`] chooses it for a number of this size.
 fn exponent(size: f64) -> i32 {
     let is_plain = size == 0.0 || (1e-3..1e5).contains(&size);
     if is_plain || !size.is_finite() { 0 } else { size.log10().floor() as i32 }
 }
 
-/// Decimals with which both ends of an interval of this width show where it begins and ends, to a tenth of the width or better:
-/// two digits of the width. At most 14, which is what a number of size 1 has; six where the width is nothing.
+/// Number of decimals that shows both ends of an interval of this width to a tenth of the width or better: two digits of the width. At most 14, as
+/// many as a number of size 1 has; 6 where the width is zero.
 fn decimals(width: f64) -> usize {
     if width > 0.0 { (1 - width.log10().floor() as i32).clamp(0, 14) as usize } else { 6 }
 }

@@ -1,16 +1,16 @@
-//! Axes: from data to places on the page, and where the ticks go.
+//! Axes: from data to positions on the page, and where the ticks stand.
 
 /// How values are spread along an axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Spread {
-    /// Evenly.
+    /// Linear.
     Linear,
-    /// By their logarithm; values <= 0 have no place.
+    /// Logarithmic; values <= 0 cannot be drawn.
     Log,
 }
 
-/// An axis between two values: both finite, `low` below `high`, and on a logarithmic axis positive and at most
-/// [`MOST_DECADES`] and a little room apart.
+/// An axis between two finite values, `low` below `high`. On a logarithmic axis both are positive and at most [`MOST_DECADES`] and a small margin
+/// apart.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Scale {
     spread: Spread,
@@ -18,7 +18,7 @@ pub(crate) struct Scale {
     high: f64,
 }
 
-/// A tick with its label; a small one has none.
+/// A tick with its label; a minor tick has none.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Tick {
     pub(crate) value: f64,
@@ -32,37 +32,35 @@ pub(crate) struct Ticks {
     pub(crate) exponent: i32,
 }
 
-/// Room left around the data, as a share of their extent: no point lies on the frame. From 0.02 to 0.08 look the same.
+/// Margin around the data, as a part of their extent, so that no point lies on the frame. From 0.02 to 0.08 do as well.
 const ROOM: f64 = 0.04;
 
-/// Sizes beyond this do not count when an axis is laid out, and sizes below its inverse count as nothing. Powers of ten end
-/// at 1e308; eight decades are left for room around the data and for the next round number. What lies beyond is drawn on
-/// the frame.
+/// Values larger than this are ignored when the axis is laid out, and values below its inverse count as zero. Doubles end at 1e308; eight decades are
+/// left for the margin and for the next round number. An ignored value is drawn on the frame.
 const LARGEST: f64 = 1e300;
 
-/// Decades on a logarithmic axis at most. The dissipation of a ring-down that has sunk to the last bit of its first amplitude
-/// spans 48, so more come from uncertainties that grew beyond all bounds (the edge of a pale band is its curve times
-/// e^sd). The axis then shows as many around the median of its values, and the rest is drawn on the frame.
+/// Most decades of a logarithmic axis. The dissipation of a ring-down that has decayed to the last bit of its first amplitude spans 48; a larger span
+/// comes from uncertainties without bounds (the edge of a pale band is its curve times e^sd). The axis then shows this many decades around the median
+/// of its values, and the rest is drawn on the frame.
 const MOST_DECADES: i32 = 100;
 
-/// Values on a logarithmic axis that lie closer together than this ratio are one value: the axis runs from half of it to
-/// twice of it.
+/// Values on a logarithmic axis whose ratio is below this count as one value: the axis then runs from half of it to twice of it.
 const SAME: f64 = 1.05;
 
-/// Values on a linear axis that lie closer together than this share of their size are one value: rounding alone makes such
-/// differences, and they would fill the figure with noise. A tenth of the size is shown on either side.
+/// Values on a linear axis that differ by less than this part of their size count as one value: such differences come from rounding, and a figure of
+/// them would show noise. The axis then shows a tenth of the size on either side.
 const ROUNDING: f64 = 1e-9;
 
-/// A logarithmic axis up to this ratio has even ticks, of which some always have labels; whole multiples of powers of ten
-/// may all lie outside (between 1.05 and 1.85 there is none).
+/// A logarithmic axis up to this ratio gets evenly spaced ticks, some of which always have labels; the usual ticks, whole multiples of powers of ten,
+/// may all lie outside (there is none between 1.05 and 1.85).
 const HARDLY_LOG: f64 = 1.8;
 
-/// An axis of this many decades or more labels every second one, of twice as many every third, so that the labels fit
-/// beside each other: eight at most.
+/// An axis of this many decades or more labels every second decade, one of twice as many every third, so that the labels, at most eight, fit beside
+/// each other.
 const LABELLED: i32 = 8;
 
 impl Scale {
-    /// A scale that shows all `values` with a little room around; `room` false leaves none.
+    /// A scale that shows all `values`, with a margin around them where `room` is true.
     pub(crate) fn around(spread: Spread, values: impl Iterator<Item = f64>, room: bool) -> Self {
         let (low, high) = limits(spread, values);
         let (low, high) = match (low.is_finite(), spread) {
@@ -87,7 +85,7 @@ impl Scale {
         }
     }
 
-    /// Place of a value: 0 at the low end, 1 at the high end.
+    /// Position of a value: 0 at the low end, 1 at the high end.
     pub(crate) fn share(&self, value: f64) -> f64 {
         match self.spread {
             Spread::Linear => (value - self.low) / (self.high - self.low),
@@ -111,14 +109,14 @@ impl Scale {
     fn even(&self, count: f64) -> Ticks {
         let rough = (self.high - self.low) / count;
         let power = 10f64.powf(rough.log10().floor());
-        // Round steps, with the digits that their multiples need behind those of the power of ten.
+        // Round steps, each with the number of digits that its multiples need beyond those of the power of ten.
         let round = [(1.0, 0), (2.0, 0), (2.5, 1), (5.0, 0), (10.0, 0)];
-        // A step that is short by rounding is long enough.
+        // A step that is too short by rounding alone is accepted.
         let fits = |(m, _): &&(f64, i32)| m * power >= 0.999 * rough;
         let (step, extra) = round.iter().find(fits).map_or((rough, 1), |(m, extra)| (m * power, *extra));
         let largest = self.low.abs().max(self.high.abs());
         let magnitude = largest.log10().floor() as i32;
-        // Labels of more than five digits are shortened by a power of ten that goes to the title, thousands at a time.
+        // Labels of more than five digits are divided by a power of a thousand, which the title of the axis names.
         let exponent = if (-2..=4).contains(&magnitude) { 0 } else { magnitude.div_euclid(3) * 3 };
         let unit = 10f64.powi(exponent);
         let digits = (-(step / unit * (1.0 + 1e-9)).log10().floor() as i32 + extra).clamp(0, 12) as usize;
@@ -136,7 +134,7 @@ impl Scale {
         let (first, last) = (self.low.log10().floor() as i32, self.high.log10().ceil() as i32);
         let every = (last - first) / LABELLED + 1;
         let ratio = self.high / self.low;
-        // The fewer decades, the more of the multiples between them have a label: four to six labels on average.
+        // The fewer decades the axis has, the more multiples between them have a label: four to six labels on average.
         let few = |m: u8| match ratio {
             r if r < 3.0 => m < 8,
             r if r < 8.0 => matches!(m, 2 | 3 | 4 | 5 | 7),
@@ -158,7 +156,7 @@ impl Scale {
     }
 }
 
-/// The smallest and the largest value that count; infinite where there is none.
+/// The smallest and the largest value that are not ignored; infinite where there is none.
 fn limits(spread: Spread, values: impl Iterator<Item = f64>) -> (f64, f64) {
     let counted = |x: f64| match spread {
         Spread::Linear if x.abs() < LARGEST.recip() => Some(0.0),
@@ -177,7 +175,7 @@ fn limits(spread: Spread, values: impl Iterator<Item = f64>) -> (f64, f64) {
     (low.max(median / half), high.min(median * half))
 }
 
-/// m·10^n as text: plain where that is short.
+/// m·10^n as text, written out where that is short.
 fn power_of_ten(m: u8, n: i32) -> String {
     match n {
         0..=3 => (u32::from(m) * 10u32.pow(n.unsigned_abs())).to_string(),
@@ -222,8 +220,8 @@ mod tests {
         assert_eq!(labels(&scale), ["10\u{207b}\u{2075}", "10\u{207b}\u{2074}", "0.001", "0.01"]);
     }
 
-    /// The room around 1e-320 and 1e300 went to 0 and to infinity, and the decades between them, as whole numbers from
-    /// -2147483648 to 2147483647, filled the memory: one record in thirty ended so.
+    /// The margin around 1e-320 and 1e300 once reached 0 and infinity; the decades between them, as whole numbers from -2147483648 to 2147483647,
+    /// then filled the memory. One record in thirty ended so.
     #[test]
     fn limits_that_are_not_finite_do_not_fill_the_memory() {
         let (least, most) = (f64::from_bits(1), f64::MAX);

@@ -1,30 +1,30 @@
-//! Pictures of meshes: outer faces in parallel projection, shaded and drawn from back to front; where there are nodes alone, as with
-//! matrices of another program, these as dots.
+//! Pictures of meshes: the outer faces in parallel projection, shaded and drawn from back to front. A mesh of nodes without elements, as matrices of
+//! another program give it, is drawn as dots.
 
 use std::fmt::Write;
 
 use iwan_fem::mesh::Mesh;
 use maud::{Markup, PreEscaped, html};
 
-/// Width of a drawing, in its own units: that of a figure, beside which it stands.
+/// Width of a drawing, in its own units: the width of a figure, beside which it stands.
 const WIDTH: f64 = 600.0;
-/// Room around the mesh: lines at its rim (style.css draws them 0.35 wide) stay inside.
+/// Margin around the mesh, within which the lines at its edge (0.35 wide in style.css) stay.
 const MARGIN: f64 = 12.0;
-/// Height of a drawing over its width, at most: a cube is drawn smaller, so that a picture and its caption fit on a screen.
+/// Largest height of a drawing over its width: a cube is drawn smaller, so that picture and caption fit on a screen.
 const HIGHEST: f64 = 0.75;
-/// Direction from which the light comes, of length 1 to 0.3 %, in the view: x to the right, y up, z to the viewer. From above the
-/// viewer's left shoulder, where readers expect it: faces on top are brightest.
+/// Direction from which the light comes, a unit vector to 0.3 %, in the view (x to the right, y up, z to the viewer): from above the viewer's left
+/// shoulder, where readers expect it. Faces on top are brightest.
 const LIGHT: [f64; 3] = [-0.35, 0.65, 0.67];
-/// Brightness of a face that the light does not reach: its colour can still be told.
+/// Brightness of a face that the light does not reach: its colour remains recognisable.
 const SHADE: f64 = 0.62;
-/// What full light adds; 255 is the end of it.
+/// Brightness that full light adds; colour values are cut off at 255.
 const SHINE: f64 = 0.40;
-/// Turn of the view about the vertical, degrees: the long side runs to the right, the end is seen beside it.
+/// Rotation of the view about the vertical, degrees: the long side runs to the right, and the end is visible beside it.
 const AZIMUTH: f64 = 30.0;
-/// Height from which the view looks down, degrees: the top is seen. Both angles are a matter of taste, from 20 to 40.
+/// Elevation from which the view looks down, degrees: the top is visible. Both angles are a matter of taste, from 20 to 40.
 const ELEVATION: f64 = 28.0;
 
-/// Dots in a picture of nodes alone, at most: as many already touch each other. Of more nodes every second, third, ... is drawn.
+/// Most dots in a picture of nodes without elements: this many already touch each other. Of more nodes only every second, third, ... is drawn.
 const MOST_DOTS: usize = 4000;
 
 /// A mesh that is ready to be drawn, deformed or not.
@@ -33,21 +33,21 @@ pub(crate) struct Solid<'a> {
     mesh: &'a Mesh,
     /// Outer faces: element and corners.
     faces: Vec<(usize, [usize; 4])>,
-    /// Rows: to the right, up, to the viewer.
+    /// Rows of the view matrix: to the right, up, to the viewer.
     view: [[f64; 3]; 3],
-    /// Diagonal of the box around the mesh.
+    /// Diagonal of the bounding box of the mesh.
     diagonal: f64,
 }
 
 /// Colour of a face: red, green, blue, 0 to 255.
 pub(crate) type Colour = [f64; 3];
 
-/// How a mesh is drawn out of its place.
+/// How a mesh is drawn in deformed shape.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Deformation<'a> {
-    /// x, y, z of each node, of any size.
+    /// x, y, z of each node, in any scale.
     pub(crate) shape: &'a [f64],
-    /// Largest displacement in the picture, as a part of the diagonal of the mesh.
+    /// Largest displacement in the picture, as a part of the mesh's diagonal.
     pub(crate) part: f64,
 }
 
@@ -62,19 +62,19 @@ impl<'a> Solid<'a> {
         Self { mesh, faces: mesh.outer_faces(), view: view(sides), diagonal }
     }
 
-    /// Number of outer faces, or of dots where there are none: what a picture is made of.
+    /// Number of pieces of which a picture consists: outer faces, or dots where there are no faces.
     pub(crate) fn pieces(&self) -> usize {
         if self.faces.is_empty() { self.dotted().count() } else { self.faces.len() }
     }
 
-    /// The nodes that are drawn as dots where the mesh has no faces; none without coordinates, when all are in one place.
+    /// The nodes that are drawn as dots where the mesh has no faces; none where no coordinates are known, so that all nodes coincide.
     fn dotted(&self) -> impl Iterator<Item = usize> + use<> {
         let nodes = if self.faces.is_empty() && self.diagonal > 0.0 { self.mesh.positions.len() } else { 0 };
         (0..nodes).step_by(nodes.div_ceil(MOST_DOTS).max(1))
     }
 
-    /// The picture, deformed or not; `colour` from an element and the corners of its face, or from element 0 and four times the node of
-    /// a dot. A line leads from a dot to where the node rests.
+    /// The picture, deformed or not. `colour` gives the colour of a face from its element and the corners of the face; for a dot it receives element
+    /// 0 and four times the node. A line joins each dot to its position at rest.
     pub(crate) fn draw(
         &self,
         deformation: Option<Deformation<'_>>,
@@ -95,7 +95,7 @@ impl<'a> Solid<'a> {
         let mut faces: Vec<(f64, usize)> = (0..self.faces.len())
             .filter_map(|face| {
                 let corners = self.faces[face].1.map(|node| places[node]);
-                // Faces that look away are hidden by others.
+                // Faces that look away from the viewer are hidden by others and left out.
                 (normal(corners)[2] > 0.0).then(|| (corners.iter().map(|c| c[2]).sum::<f64>(), face))
             })
             .collect();
@@ -128,7 +128,7 @@ impl<'a> Solid<'a> {
         }
     }
 
-    /// Positions in the view.
+    /// Positions of the nodes in the view, deformed or not.
     fn places(&self, deformation: Option<Deformation<'_>>) -> Vec<[f64; 3]> {
         let largest = |shape: &[f64]| shape.chunks_exact(3).map(length).fold(f64::MIN_POSITIVE, f64::max);
         let factor = deformation.map_or(0.0, |d| d.part * self.diagonal / largest(d.shape));
@@ -147,9 +147,9 @@ pub(crate) fn length(vector: &[f64]) -> f64 {
     vector.iter().map(|x| x * x).sum::<f64>().sqrt()
 }
 
-/// Blue through pale blue and pale orange to red by a share from 0 to 1.
+/// Colour for a share from 0 to 1: blue through pale blue and pale orange to red.
 pub(crate) fn by_share(share: f64) -> Colour {
-    // Dark at the ends and pale between them, so that shading still shows; blue and red-orange differ to all eyes.
+    // Dark at both ends and pale between, so that the shading remains visible; all readers can tell blue from red-orange.
     const STOPS: [Colour; 4] =
         [[68.0, 119.0, 170.0], [190.0, 215.0, 230.0], [245.0, 205.0, 120.0], [213.0, 94.0, 0.0]];
     let place = share.clamp(0.0, 1.0) * (STOPS.len() - 1) as f64;
@@ -158,11 +158,11 @@ pub(crate) fn by_share(share: f64) -> Colour {
     std::array::from_fn(|i| STOPS[from][i] * (1.0 - rest) + STOPS[from + 1][i] * rest)
 }
 
-/// An axonometric view from the front right above: the longest side to the right, the shortest up.
+/// An axonometric view from the front, right and above: the longest side of the mesh runs to the right, the shortest upwards.
 fn view(sides: [f64; 3]) -> [[f64; 3]; 3] {
     let mut order = [0, 1, 2];
     order.sort_by(|a, b| sides[*b].total_cmp(&sides[*a]));
-    // An odd permutation mirrors: the middle side runs the other way then.
+    // An odd permutation of the axes would mirror the mesh: the middle axis is then reversed.
     let even = matches!(order, [0, 1, 2] | [1, 2, 0] | [2, 0, 1]);
     let turn = if even { 1.0 } else { -1.0 };
     let (azimuth, elevation) = (AZIMUTH.to_radians(), ELEVATION.to_radians());
@@ -183,14 +183,14 @@ fn bounds<'p>(places: impl Iterator<Item = &'p [f64; 3]>) -> ([f64; 2], [f64; 2]
     })
 }
 
-/// Normal of a face by its diagonals, outwards, of no particular length.
+/// Outward normal of a face, from its diagonals; its length has no meaning.
 fn normal([a, b, c, d]: [[f64; 3]; 4]) -> [f64; 3] {
     let (p, q): ([f64; 3], [f64; 3]) =
         (std::array::from_fn(|i| c[i] - a[i]), std::array::from_fn(|i| d[i] - b[i]));
     [p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0]]
 }
 
-/// Brightness of a face.
+/// Brightness of a face by the angle between its normal and the light.
 fn shade(normal: [f64; 3]) -> f64 {
     let along: f64 = normal.iter().zip(LIGHT).map(|(n, l)| n * l).sum();
     SHADE + SHINE * (along / length(&normal).max(f64::MIN_POSITIVE)).max(0.0)
@@ -222,7 +222,7 @@ mod tests {
         });
         let drawn = drawn.into_string();
         assert_eq!((solid.pieces(), drawn.matches("<circle").count()), (nodes, nodes));
-        // Node 1 alone has moved, and leaves the line to its place: up on the page.
+        // Only node 1 has moved, upwards on the page; its dot alone has a line to the position at rest.
         let moved = drawn.split("<path d=\"M").skip(1).filter(|dot| {
             let (from, to) = dot.split('"').next().and_then(|d| d.split_once('L')).unwrap_or_default();
             from != to

@@ -8,18 +8,18 @@ use crate::failure::Failure;
 use crate::progress::Bar;
 use crate::structures::Linear;
 
-/// A mode with its curves and what fits them.
+/// A mode with its curves and the joint fitted to them.
 #[derive(Debug)]
 pub(crate) struct Analysed {
     pub(crate) mode: NamedMode,
     pub(crate) curves: ModalCurves,
-    /// Whether they reach the largest displacement.
+    /// Whether the curves reach the largest displacement that was asked for.
     pub(crate) whole: bool,
-    /// The modal Iwan joint, or why there is none.
+    /// The fitted modal Iwan joint, or why there is none.
     pub(crate) fit: Result<StaticFit, String>,
 }
 
-/// The curves of the modes asked for, with their fits.
+/// The curves of the modes that the options name, with the fitted joints.
 pub(super) fn analyse(linear: &Linear, args: &QuasiStaticArgs, bar: &Bar) -> Result<Vec<Analysed>, Failure> {
     if linear.assembled.slips().iter().all(|slip| slip.law.is_none()) {
         let message =
@@ -36,7 +36,7 @@ pub(super) fn analyse(linear: &Linear, args: &QuasiStaticArgs, bar: &Bar) -> Res
             return Err(Failure::Interrupted);
         }
         let displacements = displacements(linear, mode, args)?;
-        // Where parts slide freely the curves end, which is an error only when the user asked for more.
+        // Curves end where the parts begin to slide freely. That is an error only where the user asked for larger displacements.
         let (own, one, given, all) = (linear.clone(), mode.clone(), displacements.clone(), args.to.is_some());
         let curves = bar.wait(move || own.static_curves(&one, &given, all))?;
         let curves = curves.map_err(|error| linear.failed(&error))?;
@@ -47,7 +47,7 @@ pub(super) fn analyse(linear: &Linear, args: &QuasiStaticArgs, bar: &Bar) -> Res
     Ok(analysed)
 }
 
-/// Displacements evenly spaced on a logarithmic scale.
+/// Modal displacements evenly spaced on a logarithmic scale.
 fn displacements(linear: &Linear, mode: &NamedMode, args: &QuasiStaticArgs) -> Result<Vec<f64>, Failure> {
     let missing = linear.onset(mode).is_none() && (args.from.is_none() || args.to.is_none());
     if missing {
@@ -60,7 +60,7 @@ fn displacements(linear: &Linear, mode: &NamedMode, args: &QuasiStaticArgs) -> R
     })
 }
 
-/// The modal Iwan joint of the curves, or why there is none.
+/// The modal Iwan joint fitted to the curves, or why there is none.
 fn fit(linear: &Linear, mode: &NamedMode, curves: &ModalCurves) -> Result<StaticFit, String> {
     let parts = StaticCurves {
         displacement: &curves.displacement,

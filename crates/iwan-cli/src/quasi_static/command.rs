@@ -43,7 +43,7 @@ pub(crate) fn run(args: &QuasiStaticArgs) -> Result<(), Failure> {
             session.notes(&notes);
             session.file(COUPLED, to_toml(&scenario, "").as_bytes())?;
         }
-        // The curves stand by themselves.
+        // The curves are valid without the scenario of shared joints; a note says why it is missing.
         Err(error) => {
             session.omit(COUPLED);
             session.notes(&[format!("{}: {} ({})", linear.source, error.message, error.remedy)]);
@@ -55,7 +55,7 @@ pub(crate) fn run(args: &QuasiStaticArgs) -> Result<(), Failure> {
     session.finish(&summary)
 }
 
-/// The columns of the table: all modes below each other, told apart by their number.
+/// The columns of the table: modes stand below each other, told apart by their numbers.
 fn columns(linear: &Linear, analysed: &[Analysed]) -> Vec<(String, Vec<f64>)> {
     let all = |curve: &dyn Fn(&ModalCurves) -> &Vec<f64>| -> Vec<f64> {
         analysed.iter().flat_map(|a| curve(&a.curves).iter().copied()).collect()

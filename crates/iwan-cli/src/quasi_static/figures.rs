@@ -1,4 +1,4 @@
-//! The figures of a mode under static loads: the structure's curves, the fitted joint's, the slips.
+//! Figures of a mode under static loads: the curves of the structure, those of the fitted joint, and the slips.
 
 use iwan_core::Backbone;
 
@@ -8,14 +8,13 @@ use crate::structures::Linear;
 
 /// Colours of the slips, the largest first.
 const COLOURS: [&str; 5] = [colour::BLUE, colour::VERMILLION, colour::GREEN, colour::PURPLE, colour::ORANGE];
-/// Slips with a line of their own, the largest, at most: as many as there are colours.
+/// Most slips with a line of their own, the largest first: as many as there are colours.
 const MOST_SLIPS: usize = COLOURS.len();
-/// Slips below this part of the largest are not drawn: on a logarithmic axis those that symmetry forbids, which are rounding,
-/// would press all others together. On the paper's beam rounding is 3e-11 of the largest slip, the smallest slip that is none
-/// 3e-5: any limit between them does.
+/// Slips below this part of the largest are not drawn. Symmetry forbids them, what is left is rounding, and on a logarithmic axis it would squeeze
+/// all others together. On the paper's beam the rounding is 3e-11 of the largest slip and the smallest genuine slip 3e-5: any limit between them
+/// does.
 const LEAST_SLIP: f64 = 1e-6;
-/// Frequencies that change by less than this part are drawn as their change: labels of the whole frequency would need six
-/// digits and more to differ.
+/// Frequencies that change by less than this part are drawn as their change: labels of the whole frequency would need six digits or more to differ.
 const SMALL_CHANGE: f64 = 1e-3;
 
 /// All figures of a mode.
@@ -23,12 +22,12 @@ pub(super) fn figures(linear: &Linear, mode: &Analysed) -> [Figure; 4] {
     [frequency(mode), dissipation(mode), force(mode), slips(linear, mode)]
 }
 
-/// Points over the modal displacement.
+/// Values of a curve against the modal displacement.
 fn points(mode: &Analysed, values: &[f64]) -> Vec<(f64, f64)> {
     mode.curves.displacement.iter().copied().zip(values.iter().copied()).collect()
 }
 
-/// The structure's curve and, where there is a fit, the joint's.
+/// The curve of the structure and, where there is a fit, that of the joint.
 fn layers(
     mode: &Analysed,
     values: &[f64],

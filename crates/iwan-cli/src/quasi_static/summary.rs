@@ -1,4 +1,4 @@
-//! What `iwan quasi-static` says: `summary.json` and the table on the terminal.
+//! The summary of `iwan quasi-static`: `summary.json` and the table on the terminal.
 
 use std::fmt::Write;
 
@@ -9,8 +9,8 @@ use crate::page::numbers::{or_dash, short};
 use crate::session::Summary;
 use crate::structures::{Linear, Size};
 
-/// A misfit above this is worth a warning. It is a matter of judgement: modes 1 and 3 of the paper's beam, whose links and
-/// washers slip at different forces, miss by 0.21 and 0.25 over the default range and are warned about.
+/// A misfit above this gets a warning. The limit is a judgement: modes 1 and 3 of the paper's beam, whose links and washers slip at different forces,
+/// have misfits of 0.21 and 0.25 over the default range and are warned about.
 const LARGE_MISFIT: f64 = 0.1;
 
 /// The summary of the modal curves of a structure.
@@ -18,7 +18,7 @@ const LARGE_MISFIT: f64 = 0.1;
 pub(crate) struct QuasiStaticSummary {
     /// The structure's title, or its name.
     pub(crate) structure: String,
-    /// How large it is.
+    /// Numbers of nodes, elements, unknowns and joints.
     pub(crate) size: Size,
     /// One entry per mode.
     pub(crate) modes: Vec<ModeCurves>,
@@ -28,23 +28,23 @@ pub(crate) struct QuasiStaticSummary {
     pub(crate) seconds: f64,
 }
 
-/// Curves and parameters of one mode; parameters are missing where the mode is linear.
+/// Curves and parameters of one mode; a linear mode has no parameters.
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct ModeCurves {
     pub(crate) name: String,
     pub(crate) class: &'static str,
-    /// Hz.
+    /// Frequency with all joints stuck, Hz.
     pub(crate) frequency_stuck: f64,
-    /// Hz.
+    /// Frequency with all joints slipping, Hz.
     pub(crate) frequency_slipping: f64,
     pub(crate) mac: f64,
     /// Modal displacements, mass^½·length.
     pub(crate) displacement: Vec<f64>,
     /// Secant frequency, Hz.
     pub(crate) frequency: Vec<f64>,
-    /// Per cycle.
+    /// Energy dissipated per cycle.
     pub(crate) dissipation: Vec<f64>,
-    /// Modal joint force α - ω∞² q.
+    /// Modal joint force: modal load α minus ω∞² q.
     pub(crate) joint_force: Vec<f64>,
     pub(crate) k_t: Option<f64>,
     pub(crate) f_s: Option<f64>,
@@ -52,9 +52,9 @@ pub(crate) struct ModeCurves {
     pub(crate) beta: Option<f64>,
     /// Largest relative difference of dissipation between the fitted joint and the structure.
     pub(crate) dissipation_misfit: Option<f64>,
-    /// Largest difference of frequency over what stuck and slipping differ by.
+    /// Largest difference of frequency between fit and structure, over the difference between the stuck and the slipping frequency.
     pub(crate) frequency_misfit: Option<f64>,
-    /// Why there are no parameters.
+    /// Why there are no parameters, as a sentence.
     pub(crate) remark: Option<String>,
 }
 
@@ -100,7 +100,7 @@ impl ModeCurves {
     }
 }
 
-/// Where curves end before the largest displacement.
+/// A note that names the displacement at which curves end before the largest one; none where they reach it.
 fn end(analysed: &Analysed) -> Option<String> {
     let last = analysed.curves.displacement.last().filter(|_| !analysed.whole)?;
     let name = &analysed.mode.name;
@@ -110,7 +110,7 @@ fn end(analysed: &Analysed) -> Option<String> {
 }
 
 impl QuasiStaticSummary {
-    /// Of a structure and its curves.
+    /// Makes the summary of a structure and its curves.
     pub(crate) fn new(linear: &Linear, analysed: &[Analysed], seconds: f64) -> Self {
         let modes: Vec<ModeCurves> = analysed.iter().map(|a| ModeCurves::new(linear, a)).collect();
         let chosen =

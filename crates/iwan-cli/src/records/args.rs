@@ -108,7 +108,7 @@ pub(crate) enum Hits {
     One(usize),
 }
 
-/// `all`, `first` or a number.
+/// Reads `all`, `first` or a number.
 fn hits(text: &str) -> Result<Hits, String> {
     match (text, text.parse::<usize>()) {
         ("all", _) => Ok(Hits::All),
@@ -118,12 +118,12 @@ fn hits(text: &str) -> Result<Hits, String> {
     }
 }
 
-/// A unit of time.
+/// Reads a unit of time.
 fn time_unit(text: &str) -> Result<TimeUnit, String> {
     text.parse().map_err(|e: iwan_io::UnknownTimeUnit| e.to_string())
 }
 
-/// `LOW:HIGH` in Hz.
+/// Reads `LOW:HIGH` in Hz.
 pub(crate) fn band(text: &str) -> Result<(f64, f64), String> {
     let wrong = || "must be LOW:HIGH in Hz with 0 < LOW < HIGH, as in 60:105".to_string();
     let (low, high) = text.split_once(':').ok_or_else(wrong)?;

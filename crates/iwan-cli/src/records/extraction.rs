@@ -1,4 +1,4 @@
-//! One mode of one record by all methods, with its curves.
+//! One mode of one record, followed by all methods, with its curves.
 
 use iwan_ident::curve_fit::{fit, start};
 use iwan_ident::curves::{Curves, ForceAxis};
@@ -8,18 +8,18 @@ use super::args::Axis;
 use super::reading::{Recording, Wanted};
 use crate::failure::Failure;
 
-/// A mode taken out of a record.
+/// A mode extracted from a record.
 #[derive(Debug, Clone)]
 pub(crate) struct Extraction {
     /// Name of the mode.
     pub(crate) name: String,
-    /// The mode's record, before the filter.
+    /// Samples of the mode's record, before the band-pass filter.
     pub(crate) samples: Vec<f64>,
-    /// Time of the first sample, s.
+    /// Time of the first sample on the record's axis, s.
     pub(crate) start: f64,
     pub(crate) isolated: Isolated,
     pub(crate) opinions: Opinions,
-    /// The method whose curves these are.
+    /// The method from whose envelope `curves` are computed.
     pub(crate) method: Method,
     pub(crate) curves: Curves,
     pub(crate) notes: Vec<String>,
@@ -66,13 +66,13 @@ impl Extraction {
         Ok(Self { name, samples, start, isolated, opinions, method, curves, notes })
     }
 
-    /// The envelope by the method that was asked for.
+    /// The envelope by the method that was asked for; none where that method could not be used.
     pub(crate) fn envelope(&self) -> Option<&Envelope> {
         self.opinions.envelopes.iter().find(|e| e.method == self.method)
     }
 }
 
-/// The joint force needs ω0 and K_T: here from least squares on the curves.
+/// Puts the curves on the axis of joint force, which needs ω0 and K_T: both come from a least-squares fit to the curves here.
 fn on_joint_axis(curves: Curves, notes: &mut Vec<String>) -> Result<Curves, iwan_ident::Error> {
     let first = start(&curves)?.parameters;
     let found = fit(std::slice::from_ref(&curves), &first, &[])?.parameters;

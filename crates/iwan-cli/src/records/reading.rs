@@ -1,4 +1,4 @@
-//! From record files and options to the records of single modes: one reading room for all commands.
+//! From record files and options to the records of single modes; all commands read records here.
 
 use iwan_machine::listed;
 use std::path::Path;
@@ -13,42 +13,42 @@ use super::args::{MethodChoice, Motion, RecordArgs};
 use super::shapes::Shapes;
 use crate::failure::Failure;
 
-/// Bytes that the analysis of a record takes for each of its samples: 305 for the envelope of a million, by all methods.
+/// Memory in bytes that the analysis of a record takes per sample: measured 305, for the envelopes of a million samples by all methods.
 const ANALYSIS: u64 = 320;
 
-/// A record file with what is known about it.
+/// A record file as read, with the quantity it measures.
 #[derive(Debug, Clone)]
 pub(crate) struct Recording {
     /// Path as the user wrote it.
     pub(crate) name: String,
     pub(crate) record: Record,
     pub(crate) quantity: Quantity,
-    /// What the reader noticed, and what was assumed.
+    /// What the reader noticed, and what was assumed, as sentences.
     pub(crate) warnings: Vec<String>,
 }
 
 /// The record of one mode, in the unit of the file times the root of the modal mass.
 #[derive(Debug, Clone)]
 pub(crate) struct ModalRecord {
-    /// Index of the recording.
+    /// Index of the recording from which the record comes.
     pub(crate) source: usize,
     pub(crate) samples: Vec<f64>,
 }
 
-/// A mode to be looked at, with one record for each recording.
+/// A mode to be extracted, with one record for each recording.
 #[derive(Debug, Clone)]
 pub(crate) struct Wanted {
     pub(crate) name: String,
-    /// Number among the mode shapes, or the bands, counted from 0.
+    /// Number of the mode among the mode shapes, or among the bands, from 0.
     pub(crate) number: usize,
-    /// How it is taken out of the record: band, or the frequency near which it is.
+    /// How the mode is isolated: its band, or a frequency near it.
     pub(crate) options: Options,
     pub(crate) records: Vec<ModalRecord>,
-    /// How the channels were combined.
+    /// Notes on how the channels were combined.
     pub(crate) notes: Vec<String>,
 }
 
-/// Reads a file by the user's word.
+/// Reads one file as the options say.
 pub(crate) fn read(path: &Path, args: &RecordArgs) -> Result<Recording, Failure> {
     let name = path.display().to_string();
     let options = ReadOptions {
@@ -75,8 +75,8 @@ pub(crate) fn read(path: &Path, args: &RecordArgs) -> Result<Recording, Failure>
     Ok(Recording { name, record, quantity, warnings })
 }
 
-/// What motion the channels measure. What is no motion, or is in a unit that is not known, is asked for and never taken for an
-/// acceleration.
+/// The kind of motion that the channels measure. Where the channels measure no motion, or their unit is not known, the user is asked; they are never
+/// simply taken for accelerations.
 fn motion(name: &str, record: &Record, warnings: &mut Vec<String>) -> Result<Quantity, Failure> {
     let channels = listed(record.names());
     match record.quantity() {
@@ -102,7 +102,7 @@ fn motion(name: &str, record: &Record, warnings: &mut Vec<String>) -> Result<Qua
     }
 }
 
-/// The modes that the options ask for, out of one or several recordings with the same channels.
+/// The modes that the options ask for, extracted from recordings that have the same channels.
 pub(crate) fn modes(recordings: &[Recording], args: &RecordArgs) -> Result<Vec<Wanted>, Failure> {
     same_channels(recordings)?;
     no_copies(recordings)?;
@@ -118,11 +118,11 @@ pub(crate) fn modes(recordings: &[Recording], args: &RecordArgs) -> Result<Vec<W
     )
 }
 
-/// Which modes are wanted, as options say it.
+/// Which modes are sought, as the options say.
 #[derive(Debug, Clone)]
 pub(crate) struct Sought {
     pub(crate) shapes: Option<Shapes>,
-    /// Hz.
+    /// Frequency bands, Hz.
     pub(crate) bands: Vec<(f64, f64)>,
     /// Rough frequencies, Hz, where there are neither bands nor shapes.
     pub(crate) near: Vec<f64>,
@@ -131,7 +131,7 @@ pub(crate) struct Sought {
 }
 
 impl Sought {
-    /// These modes out of one or several recordings with the same channels.
+    /// Extracts these modes from recordings that have the same channels.
     pub(crate) fn modes(&self, recordings: &[Recording]) -> Result<Vec<Wanted>, Failure> {
         same_channels(recordings)?;
         no_copies(recordings)?;
@@ -150,7 +150,7 @@ fn taken(recordings: &[Recording], sought: &Sought) -> Result<Vec<Wanted>, Failu
     Ok(wanted)
 }
 
-/// Several force levels are one structure: they need the same channels.
+/// Refuses recordings with different channels: several force levels of one structure must have the same ones.
 fn same_channels(recordings: &[Recording]) -> Result<(), Failure> {
     let first = &recordings[0];
     for other in &recordings[1..] {
@@ -170,7 +170,7 @@ fn same_channels(recordings: &[Recording]) -> Result<(), Failure> {
     Ok(())
 }
 
-/// The same record twice would narrow every interval without telling anything new.
+/// Refuses a record that occurs twice: a copy would narrow every interval without adding information.
 fn no_copies(recordings: &[Recording]) -> Result<(), Failure> {
     for (n, one) in recordings.iter().enumerate() {
         if let Some(other) = recordings[..n].iter().find(|other| one.record.is_copy_of(&other.record)) {
@@ -189,7 +189,7 @@ fn channels(recording: &Recording) -> iwan_ident::channels::Recording<'_> {
     iwan_ident::channels::Recording { names: record.names(), channels, dt: record.dt() }
 }
 
-/// Without mode shapes: one channel, or the dominant shape in each band.
+/// Modes without given shapes: from the one channel, or from the dominant shape of all channels in each band.
 fn by_bands(recordings: &[Recording], sought: &Sought) -> Result<Vec<Wanted>, Failure> {
     let bands: Vec<_> = match sought.bands.as_slice() {
         [] if sought.near.is_empty() => vec![None],
@@ -215,7 +215,7 @@ fn around(recording: &Recording, near: f64) -> Result<(f64, f64), Failure> {
     Ok((band.low, band.high))
 }
 
-/// With mode shapes: the modal filter, and a look at whether the channels move as the shapes say.
+/// Modes by given shapes, with the modal filter, and a check of whether the channels move as the shapes say.
 fn by_shapes(
     recordings: &[Recording],
     shapes: &Shapes,
@@ -228,7 +228,7 @@ fn by_shapes(
     shapes.select(bands)?.into_iter().map(mode).collect()
 }
 
-/// Mode `n` (counted from 0) out of all recordings; `shapes` is the file of the mode shapes.
+/// Mode `n` (from 0) of all recordings; `shapes` is the name of the file of mode shapes.
 fn wanted(
     recordings: &[Recording],
     n: usize,
@@ -247,7 +247,7 @@ fn wanted(
 }
 
 impl MethodChoice {
-    /// The method of the library.
+    /// The same method in the library's type.
     pub(crate) const fn method(self) -> iwan_ident::signal::Method {
         match self {
             Self::Hilbert => iwan_ident::signal::Method::Hilbert,

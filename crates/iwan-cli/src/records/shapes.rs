@@ -9,7 +9,7 @@ use iwan_modal::measure::Freedom;
 
 use crate::failure::Failure;
 
-/// Column with the modes' frequencies.
+/// Name of the column with the frequencies of the modes.
 const FREQUENCY: &str = "frequency";
 
 /// Mass-normalised mode shapes: one row for each mode, one value for each channel of the record.
@@ -19,17 +19,17 @@ pub(crate) struct Shapes {
     pub(super) name: String,
     /// `values[mode][channel]`.
     pub(super) values: Vec<Vec<f64>>,
-    /// Hz, where the file says so.
+    /// Frequency of each mode, Hz; none where the file does not say.
     frequencies: Option<Vec<f64>>,
 }
 
 impl Shapes {
-    /// Rows as they are given, with the frequencies of the modes in Hz where they are known.
+    /// Shapes given as rows, with the frequencies of the modes (Hz) where they are known.
     pub(crate) fn given(values: Vec<Vec<f64>>, frequencies: Option<Vec<f64>>) -> Self {
         Self { name: "shapes".into(), values, frequencies }
     }
 
-    /// Reads the columns called as the channels; in a file without names they stand in the order of the channels.
+    /// Reads the columns that are called as the channels; in a file without names, the columns stand in the order of the channels.
     pub(super) fn read(path: &Path, channels: &[String]) -> Result<Self, Failure> {
         let name = path.display().to_string();
         if let Some(bytes) =
@@ -67,7 +67,7 @@ impl Shapes {
         Ok(Self { name, values, frequencies })
     }
 
-    /// From the datasets 55 of a universal file: the real part of each mass-normalised shape at the channels' nodes.
+    /// Shapes from the datasets 55 of a universal file: the real part of each mass-normalised shape at the nodes of the channels.
     fn universal(path: &Path, bytes: &[u8], channels: &[String]) -> Result<Self, Failure> {
         let name = path.display().to_string();
         let model = iwan_io::uff_model(path, bytes).map_err(|e| Failure::said(&name, &e))?;
@@ -94,7 +94,7 @@ impl Shapes {
         Ok(Self { name, values, frequencies })
     }
 
-    /// Which rows are wanted, and where in frequency each of them is.
+    /// The index of each mode that is wanted, and the options that isolate it by frequency.
     pub(super) fn select(&self, bands: &[(f64, f64)]) -> Result<Vec<(usize, Options)>, Failure> {
         let at = |band, near| Options { band, near, ..Options::default() };
         match (bands, &self.frequencies) {
@@ -119,7 +119,7 @@ impl Shapes {
         }
     }
 
-    /// The mode whose frequency lies in a band.
+    /// Index of the one mode whose frequency lies in a band.
     fn row(&self, frequencies: &[f64], (low, high): (f64, f64)) -> Result<usize, Failure> {
         let inside: Vec<usize> =
             (0..frequencies.len()).filter(|&i| (low..=high).contains(&frequencies[i])).collect();
@@ -133,7 +133,7 @@ impl Shapes {
     }
 }
 
-/// A shape's value at a channel called by its node: `12:+z`, `node 12 direction 3`, or `12` where the shape moves along one axis there.
+/// Value of a shape at a channel that is named by its node: `12:+z`, `node 12 direction 3`, or `12` where the shape has one direction at this node.
 fn value_at(shape: &[(i64, NodalValues)], channel: &str) -> Result<f64, String> {
     let words: Vec<&str> = channel.split_whitespace().collect();
     let (point, direction) = match words.as_slice() {

@@ -1,4 +1,4 @@
-//! Several hits in one record: each a record of its own.
+//! Records that hold several hits: each hit becomes a record of its own.
 
 use std::path::PathBuf;
 
@@ -8,7 +8,7 @@ use super::args::{Hits, RecordArgs};
 use super::reading::{Recording, read};
 use crate::failure::Failure;
 
-/// Reads files by the user's word; a record of several hits that are well apart is as many records, one after the other.
+/// Reads files as the options say; a record of several hits that are well apart becomes one recording per hit, in their order.
 pub(crate) fn read_all(paths: &[PathBuf], args: &RecordArgs) -> Result<Vec<Recording>, Failure> {
     let mut all = Vec::new();
     for path in paths {
@@ -17,7 +17,7 @@ pub(crate) fn read_all(paths: &[PathBuf], args: &RecordArgs) -> Result<Vec<Recor
     Ok(all)
 }
 
-/// The hits of a recording that are wanted, and a word on what disturbs it.
+/// The wanted hits of a recording, with warnings about disturbances in it.
 fn stretches(mut recording: Recording, wanted: Hits) -> Result<Vec<Recording>, Failure> {
     let record = &recording.record;
     let seen = overview(record.samples(), record.dt());
@@ -29,7 +29,7 @@ fn stretches(mut recording: Recording, wanted: Hits) -> Result<Vec<Recording>, F
             "{name}: before {at:.6} s the structure is pulled, held, handled or driven: the record begins there"
         ));
     }
-    // Clipping is what every fit looks after itself.
+    // Clipping is not reported here, because every fit checks for it itself.
     for event in seen.events.iter().filter(|event| !matches!(event, Event::Clipped { .. })) {
         let at = start + event.time();
         recording
@@ -70,7 +70,7 @@ fn stretches(mut recording: Recording, wanted: Hits) -> Result<Vec<Recording>, F
         found.len(),
         times.join(", ")
     ));
-    // What is said of the file is said once, with its first hit.
+    // Warnings about the whole file are given once, with its first hit.
     let mut cuts =
         chosen.into_iter().map(|(n, hit)| cut(&recording, n, hit)).collect::<Result<Vec<_>, _>>()?;
     if let Some(first) = cuts.first_mut() {
@@ -79,7 +79,7 @@ fn stretches(mut recording: Recording, wanted: Hits) -> Result<Vec<Recording>, F
     Ok(cuts)
 }
 
-/// The stretch of a hit.
+/// The recording of one hit.
 fn cut(recording: &Recording, n: usize, hit: &Hit) -> Result<Recording, Failure> {
     let record = &recording.record;
     let ends = (record.time(hit.samples.start), record.time(hit.samples.end - 1));

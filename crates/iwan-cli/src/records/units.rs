@@ -1,25 +1,24 @@
-//! Units of what follows from a record, as text for axes and tables.
+//! Units of the quantities derived from a record, as text for axes and tables.
 
 use iwan_ident::curves::Quantity;
 
-/// Units as the record has them; texts are empty where the file names none.
+/// Units derived from the unit of the record; empty texts where the file names none.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Units {
-    /// Of the samples.
+    /// Unit of the samples.
     pub(crate) samples: String,
-    /// Of the displacement amplitude.
+    /// Unit of the displacement amplitude.
     pub(crate) displacement: String,
-    /// Of forces.
+    /// Unit of forces.
     pub(crate) force: String,
-    /// Of energies.
+    /// Unit of energies.
     pub(crate) energy: String,
-    /// What the samples are called.
+    /// Name of the measured quantity.
     pub(crate) quantity: &'static str,
 }
 
 impl Units {
-    /// For samples in `unit` of a quantity; modal quantities carry the root of a mass, `root` says whether a mass or mode
-    /// shapes were given.
+    /// Units for samples in `unit` of a quantity. `root` says whether a mass or mode shapes were given: modal quantities carry the root of a mass.
     pub(crate) fn new(unit: &str, quantity: Quantity, root: bool) -> Self {
         let (quantity, rates) = match quantity {
             Quantity::Acceleration => ("acceleration", 2),
@@ -43,7 +42,7 @@ impl Units {
     }
 }
 
-/// `m/s^2` as m/s².
+/// Typesets a unit: `m/s^2` becomes m/s².
 fn pretty(unit: &str) -> String {
     let unit = unit.trim().trim_matches(['[', ']', '(', ')']);
     ["s^2", "s**2", "s2"].iter().fold(unit.to_string(), |u, old| match u.strip_suffix(old) {
@@ -52,7 +51,7 @@ fn pretty(unit: &str) -> String {
     })
 }
 
-/// What is left of a rate's unit without the time.
+/// Unit of length in the unit of a quantity that was differentiated `rates` times with respect to time.
 fn length(unit: &str, rates: usize) -> String {
     let (suffix, factor) = [("", ""), ("/s", "\u{b7}s"), ("/s\u{b2}", "\u{b7}s\u{b2}")][rates];
     match unit.strip_suffix(suffix) {

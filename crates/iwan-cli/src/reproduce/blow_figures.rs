@@ -1,4 +1,4 @@
-//! Figs. 7 to 11: the truth under blows and its modal counterpart.
+//! Figs. 7 to 11: the truth (the beam with its discrete joints) under blows, and its modal counterpart.
 
 use iwan_core::{Backbone, FourParameter};
 use iwan_ident::curve_fit::predict;
@@ -17,16 +17,16 @@ use crate::page::figure::{Axis, Figure, Layer, Mark, Marker, colour};
 /// One colour per level.
 const COLOURS: [&str; 6] =
     [colour::BLUE, colour::ORANGE, colour::GREEN, colour::PURPLE, colour::VERMILLION, colour::GREY];
-/// Dots of a measured curve: up to six curves share a figure, whose axis is 494 units long, and dots of all shall be told apart.
+/// Most dots of a measured curve: up to six curves share a figure, whose axis is 494 units long, and the dots of all must stay apart.
 const MEASURED: usize = 40;
-/// Points of a model's curve: straight pieces of four units of the axis, which do not show as such.
+/// Points of a model's curve: straight pieces of four units of the axis look smooth.
 const CURVE: usize = 121;
-/// Most points of the first 50 ms of a response: 36 in a cycle of mode 3.
+/// Most points of the first 50 ms of a response: 36 per cycle of mode 3.
 const STRETCH: usize = 1400;
-/// Stretches of a history, each drawn as its smallest and its largest value: one for each unit of the axis.
+/// Number of stretches of a history; the smallest and the largest value of each are drawn: one stretch for each unit of the axis.
 const BINS: usize = 500;
-/// Frequencies that change less than this, relatively, are drawn as their change: the ticks would need seven digits. Mode 2
-/// changes by 4e-5, the others by a hundredth and more.
+/// Frequencies that change by less than this part are drawn as their change, since tick labels would need seven digits. Mode 2 changes by 4e-5, the
+/// others by a hundredth and more.
 const SMALL_CHANGE: f64 = 1e-3;
 
 /// The figures of one configuration.
@@ -63,7 +63,7 @@ struct Drawing<'a> {
     coupled: Option<&'a CoupledMode>,
 }
 
-/// A modal joint as it is drawn.
+/// A modal joint law with the colour and mark of its curves.
 struct DrawnLaw {
     name: &'static str,
     colour: &'static str,
@@ -71,7 +71,7 @@ struct DrawnLaw {
     law: FourParameter,
 }
 
-/// What a law says at one displacement.
+/// Values of a law at one displacement.
 #[derive(Clone, Copy)]
 struct LawPoint {
     joint_force: f64,
@@ -86,7 +86,7 @@ fn points(x: &[f64], y: &[f64]) -> Vec<(f64, f64)> {
 }
 
 impl Drawing<'_> {
-    /// Curves of the levels that are fitted, on the axis of joint force.
+    /// Curves, on the axis of joint force, of the levels to which the modal joint is fitted; each with the number of its level.
     fn on_force(&self) -> Vec<(usize, Curves)> {
         let axis = self.mode.axis();
         let quiet = self.mode.curves.iter().enumerate().filter(|(n, _)| LEVELS[*n] <= FITTED);
@@ -98,14 +98,14 @@ impl Drawing<'_> {
         Axis::log(label, FORCE)
     }
 
-    /// Displacements between the smallest and the largest seen among the first `levels`.
+    /// Displacements between the smallest and the largest of the first `levels` levels.
     fn displacements(&self, levels: usize) -> Vec<f64> {
         let seen = self.mode.curves.iter().take(levels).flat_map(|c| c.displacement.iter().copied());
         let (low, high) = seen.fold((f64::INFINITY, 0.0_f64), |(l, h), q| (l.min(q), h.max(q)));
         (0..CURVE).map(|i| low * (high / low).powf(i as f64 / (CURVE - 1) as f64)).collect()
     }
 
-    /// The fitted joint and the printed one, with ω0 of the truth.
+    /// The fitted joint and the one printed in Table 2, both with the frequency ω0 of the truth.
     fn laws(&self) -> Vec<DrawnLaw> {
         let Some(counterpart) = self.counterpart else { return Vec::new() };
         let printed = TABLE_2[self.mode.index].law();
@@ -118,7 +118,7 @@ impl Drawing<'_> {
         .collect()
     }
 
-    /// A law at a displacement.
+    /// Values of a law at one displacement; none where the law gives none.
     fn of_law(&self, law: &FourParameter, q: f64) -> Option<LawPoint> {
         let parameters = iwan_ident::Parameters {
             frequency: self.mode.stuck,
@@ -196,7 +196,7 @@ impl Drawing<'_> {
         )
     }
 
-    /// Truth and modal model at one level: cycle by cycle at first, and their difference.
+    /// Truth and modal model at one level: the first cycles of both, and their difference.
     fn against_truth(&self, n: usize, which: &str) -> Option<[Figure; 2]> {
         let counterpart = self.counterpart?;
         let shown = SHOWN.iter().position(|s| *s == n)?;
@@ -266,7 +266,7 @@ impl Drawing<'_> {
         self.mode.curves.iter().enumerate().map(layer).collect()
     }
 
-    /// The modes that share the joint, read early, in the middle and late at each level.
+    /// Values of the modes that share the joint, early, in the middle and late in the response at each level.
     fn of_coupled(&self, choose: fn(&Reading) -> f64) -> Option<Layer> {
         let levels = &self.coupled?.readings;
         let points = levels.iter().flatten().map(|r| (r.displacement, choose(r))).collect();
@@ -319,7 +319,8 @@ impl Drawing<'_> {
     }
 }
 
-/// A figure of frequencies; where they hardly change, of their change: long numbers at the ticks are hard to read.
+/// The figure of frequencies; where they change by less than [`SMALL_CHANGE`], a figure of their change, because long numbers at the ticks are hard
+/// to read.
 fn relative(mut figure: Figure) -> Figure {
     let values = || figure.layers.iter().flat_map(|layer| &layer.points).map(|p| p.1);
     let (low, high) = values().fold((f64::INFINITY, 0.0_f64), |(l, h), y| (l.min(y), h.max(y)));

@@ -11,11 +11,11 @@ use crate::args::Format;
 use crate::failure::Failure;
 use crate::session::{PAGE, Place, Session};
 
-/// Every number of the report.
+/// File with every number of the report.
 const NUMBERS: &str = "reproduce.json";
-/// What the figures draw.
+/// File with the data of the figures.
 const FIGURES: &str = "figures.json";
-/// Curves of the modes and their models.
+/// File with the curves of the modes and their models.
 const CURVES: &str = "curves.csv";
 
 /// Runs the command.
@@ -28,7 +28,7 @@ pub(crate) fn run(args: &ReproduceArgs) -> Result<(), Failure> {
     let bar = Arc::new(session.bar("reproducing"));
     let (shown, threads) = (Arc::clone(&bar), session.threads());
     let observer = move |share: f64| -> ControlFlow<()> { shown.report(share) };
-    // Identification cannot be asked to stop between two steps: the main thread watches for Ctrl-C.
+    // An identification cannot be stopped between two steps; the main thread therefore watches for Ctrl-C.
     let found = bar.wait(move || iwan_study::reproduce(threads, &observer))?.map_err(failed)?;
     drop(bar);
     let plates = figures::plates(&found);
@@ -43,7 +43,7 @@ pub(crate) fn run(args: &ReproduceArgs) -> Result<(), Failure> {
     session.finish(&summary)
 }
 
-/// Nothing of it is the user's input: what fails is a fault of the computation.
+/// Nothing here is the user's input: an error is a failure of the computation.
 fn failed(error: iwan_study::Error) -> Failure {
     match error {
         iwan_study::Error::Interrupted => Failure::Interrupted,

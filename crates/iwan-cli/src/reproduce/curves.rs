@@ -1,4 +1,4 @@
-//! `curves.csv`: curves of all modes under all blows below each other.
+//! `curves.csv`: the curves of all modes under all blows, below each other.
 
 use iwan_fem::mesh::beam::Configuration;
 use iwan_study::Reproduction;
@@ -7,7 +7,7 @@ use iwan_study::blows::LEVELS;
 /// A column with its name.
 type Column = (&'static str, Vec<f64>);
 
-/// The columns; configuration 1 is A, 2 is B.
+/// The columns; in `configuration` 1 stands for A and 2 for B.
 pub(super) fn columns(found: &Reproduction) -> Vec<Column> {
     let names = [
         "configuration",

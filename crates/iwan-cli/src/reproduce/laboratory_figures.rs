@@ -9,15 +9,15 @@ use crate::page::decimate::{history, thin};
 use crate::page::figure::{Axis, Figure, Layer, Mark, colour};
 
 const COLOURS: [&str; 4] = [colour::BLUE, colour::VERMILLION, colour::GREEN, colour::PURPLE];
-/// Dots of a measured curve: three curves share a figure, whose axis is 494 units long.
+/// Most dots of a measured curve: three curves share a figure, whose axis is 494 units long.
 const MEASURED: usize = 60;
-/// Points of the envelope, a smooth line over the history it belongs to.
+/// Points of the envelope, a smooth line drawn over its history.
 const ENVELOPE: usize = 120;
-/// Stretches of a history, each drawn as its smallest and its largest value: one for each unit of the axis.
+/// Number of stretches of a history; the smallest and the largest value of each are drawn: one stretch for each unit of the axis.
 const BINS: usize = 500;
-/// Length of the stretch in which sensors are drawn beside each other, s: six cycles, so that cycles are told apart.
+/// Duration for which the sensors are drawn beside each other, s: six cycles, so that single cycles can be told apart.
 const STRETCH: f64 = 0.05;
-/// Most points of it: 70 in a cycle.
+/// Most points of that duration: 70 per cycle.
 const CLOSE: usize = 500;
 
 /// The laboratory's figures.
@@ -38,7 +38,7 @@ pub(super) fn plates(lab: &Laboratory) -> Vec<Plate> {
     plates
 }
 
-/// The modal test that everything else begins with.
+/// Frequency responses of the modal test, the first step of the laboratory study.
 fn responses(test: &ModalTest) -> Figure {
     Figure {
         title: "Sec. 4: frequency responses of the modal test".into(),
@@ -53,7 +53,7 @@ fn responses(test: &ModalTest) -> Figure {
     }
 }
 
-/// A record's samples with the sampling interval its envelope was made from.
+/// The samples of a record, reduced to what is drawn; the interval is that of the hit.
 fn drawn(hit: &Hit, samples: &[f64]) -> Vec<(f64, f64)> {
     history(samples, hit.dt, BINS)
 }
@@ -115,7 +115,7 @@ fn average(hit: &Hit) -> Figure {
     }
 }
 
-/// A layer of dots for each hit.
+/// One layer of dots per hit.
 fn of_hits(lab: &Laboratory, points: &dyn Fn(&Hit) -> Vec<(f64, f64)>) -> Vec<Layer> {
     let layer = |(n, hit): (usize, &Hit)| {
         Layer::new(Mark::Dots, COLOURS[n % COLOURS.len()], thin(&points(hit), MEASURED))

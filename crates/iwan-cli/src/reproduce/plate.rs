@@ -1,4 +1,4 @@
-//! A figure with its place in the report, and `figures.json`: what is drawn, as numbers.
+//! A figure with its place in the report, and `figures.json`, which holds the drawn points as numbers.
 
 use serde_json::json;
 
@@ -8,7 +8,7 @@ use crate::page::scale::Spread;
 /// A figure with its place in the report.
 #[derive(Debug)]
 pub(super) struct Plate {
-    /// Such as `figure-7-a-mode-1-frequency`.
+    /// Identifier, such as `figure-7-a-mode-1-frequency`.
     pub(super) id: String,
     pub(super) section: Section,
     pub(super) figure: Figure,
@@ -25,7 +25,7 @@ pub(super) enum Section {
     Figures16And17,
 }
 
-/// `figures.json`.
+/// The text of `figures.json`.
 pub(super) fn data(plates: &[Plate]) -> String {
     let axis = |axis: &Axis| {
         let scale = if axis.spread == Spread::Log { "log" } else { "linear" };

@@ -1,4 +1,4 @@
-//! The report of `iwan reproduce`: the paper's tables and figures beside ours, and what came of it.
+//! The report of `iwan reproduce`: the paper's tables and figures beside ours, and the findings.
 
 use iwan_study::Summary;
 use iwan_study::findings::{Finding, FindingKind};

@@ -1,4 +1,4 @@
-//! Figs. 2 and 4: what the four parameters mean, drawn from computed curves.
+//! Figs. 2 and 4: the meaning of the four parameters, drawn from computed curves.
 
 use iwan_core::{Backbone, FourParameter, Oscillator, ResidualStiffness};
 use iwan_study::printed::TABLE_2;
@@ -7,10 +7,10 @@ use super::plate::{Plate, Section};
 use super::units::{ENERGY, FORCE};
 use crate::page::figure::{Axis, Figure, Layer, Mark, Marker, colour};
 
-/// Small-amplitude frequency for the modal schematic, Hz: near that of mode 1, and named in the caption. Any would do whose ω0² is
-/// above the joint's K_T.
+/// Small-amplitude frequency of the modal schematic, Hz: near that of mode 1, and named in the caption. Any frequency does whose ω0² is above the
+/// joint's K_T.
 const FREQUENCY: f64 = 125.0;
-/// Points of a curve: straight pieces of three units of the axis, which do not show as such.
+/// Points of a curve: straight pieces of three units of the axis look smooth.
 const CURVE: usize = 161;
 /// Straight pieces of each half of a loop.
 const HALF_LOOP: u32 = 80;
@@ -40,7 +40,7 @@ pub(super) fn plates() -> Vec<Plate> {
     plates
 }
 
-/// Force over displacement: once around at three amplitudes, by Masing's rule.
+/// Force over displacement: one hysteresis loop at each of three amplitudes, by Masing's rule.
 fn loops(law: &FourParameter) -> Figure {
     let turn = |amplitude: f64, name: &str, colour| {
         let top = law.force(amplitude);
@@ -66,7 +66,7 @@ fn loops(law: &FourParameter) -> Figure {
     }
 }
 
-/// Dissipation over displacement, micro- and macro-slip.
+/// Dissipation per cycle over displacement, in micro-slip and macro-slip.
 fn dissipation(law: &FourParameter) -> Figure {
     let phi = law.phi_max();
     let exact = range(law, 1e-3, 30.0).map(|u| (u, law.dissipation(u))).collect();

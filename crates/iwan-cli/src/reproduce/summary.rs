@@ -1,4 +1,4 @@
-//! `reproduce.json`, and what the terminal shows of it.
+//! `reproduce.json`, and the text on the terminal.
 
 use std::fmt::Write;
 
@@ -9,10 +9,10 @@ use super::plate::Plate;
 use crate::page::numbers::short;
 use crate::session::Summary;
 
-/// Every number of the report, and where the rest is.
+/// Every number of the report, and a list of the figures with their data files.
 #[derive(Debug, Clone, Serialize)]
 pub(super) struct ReproduceSummary {
-    /// What was found.
+    /// The results of the study.
     #[serde(flatten)]
     pub(super) found: iwan_study::Summary,
     /// The figures, whose data are in figures.json.
@@ -22,7 +22,7 @@ pub(super) struct ReproduceSummary {
     pub(super) seconds: Option<f64>,
 }
 
-/// A figure and where its data are.
+/// A figure: its identifier, its title and its curves.
 #[derive(Debug, Clone, Serialize)]
 struct FigureEntry {
     id: String,
@@ -54,7 +54,7 @@ impl FigureEntry {
 }
 
 impl ReproduceSummary {
-    /// Of what was found and drawn; the time is filled in once the files are made.
+    /// Makes the summary of the results and figures; the time is filled in once the files are made.
     pub(super) fn new(found: iwan_study::Summary, plates: &[Plate]) -> Self {
         Self { found, figures: plates.iter().map(FigureEntry::new).collect(), seconds: None }
     }
@@ -65,7 +65,7 @@ impl Summary for ReproduceSummary {
         self.seconds
     }
 
-    /// What the terminal shows: Table 2 and the findings.
+    /// The text on the terminal: Table 2 and the findings.
     fn text(&self) -> String {
         let mut text = format!(
             "{:<3}{:<11}{:<12}{:>12}{:>11}{:>9}{:>9}\n",

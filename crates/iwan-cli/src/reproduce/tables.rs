@@ -205,7 +205,7 @@ pub(super) fn laboratory(lab: &LaboratorySummary) -> Markup {
 }
 
 pub(super) fn tables_3_and_4(summary: &Summary, lab: &Laboratory) -> Markup {
-    // As printed, without digits that are none.
+    // The percentages as the paper prints them, without trailing zeros.
     let percent = |ratio: f64| format!("{} %", (1e4 * ratio * 1e2).round() / 1e4);
     let rows_3: Vec<Vec<String>> = summary
         .table_3

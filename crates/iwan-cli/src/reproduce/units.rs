@@ -1,10 +1,10 @@
-//! Units of modal quantities, as axes and heads of tables have them.
+//! Units of modal quantities, as texts for axes and table heads.
 
-/// Displacement of the beam and its modal models (pounds-force, inches, seconds).
+/// Modal displacement of the beam and its modal models (pounds-force, inches, seconds).
 pub(super) const DISPLACEMENT: &str = "\u{221a}(lbf\u{b7}in)\u{b7}s";
-/// Force, and acceleration, of the same.
+/// Modal force and modal acceleration in the same units.
 pub(super) const FORCE: &str = "\u{221a}(lbf\u{b7}in)/s";
-/// Energy of the same.
+/// Energy in the same units.
 pub(super) const ENERGY: &str = "lbf\u{b7}in";
-/// Force, and acceleration, in the laboratory (SI).
+/// Modal force and modal acceleration in the laboratory (SI).
 pub(super) const ACCELERATION: &str = "\u{221a}kg\u{b7}m/s\u{b2}";

@@ -28,18 +28,18 @@ pub(crate) const SUMMARY: &str = "summary.json";
 /// Name of the page in the folder of every command.
 pub(crate) const PAGE: &str = "report.html";
 
-/// Where results go, by the user's word or without it.
+/// Where the results go: a folder that the user names, or a default one.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Place<'a> {
-    /// `--out`.
+    /// The folder of `--out`, where it is given.
     pub(crate) given: Option<&'a Path>,
-    /// The folder without `--out`; where it is taken, the next free number stands behind it.
+    /// The default folder; where it exists, the next free number is put behind its name.
     pub(crate) default: &'static str,
-    /// `--force`.
+    /// Whether `--force` allows existing results to be overwritten.
     pub(crate) force: bool,
 }
 
-/// A command that is running.
+/// A running command.
 #[derive(Debug)]
 pub(crate) struct Session {
     results: Results,
@@ -72,7 +72,7 @@ impl Console {
 }
 
 impl Session {
-    /// Opens the folder for `files`, which fails where it cannot be written; from now on Ctrl-C is noticed.
+    /// Opens the folder for `files` and fails where it cannot be written; from now on Ctrl-C is noticed.
     pub(crate) fn open(
         place: Place<'_>,
         common: &Common,
@@ -80,7 +80,7 @@ impl Session {
     ) -> Result<Self, Failure> {
         let files: Vec<String> = files.into_iter().map(Into::into).collect();
         let names: Vec<&str> = files.iter().map(String::as_str).collect();
-        // Before there is a folder that a Ctrl-C could leave behind.
+        // Ctrl-C is caught before there is a folder that it could leave behind.
         progress::catch_interrupts();
         let results = Results::open(place.given, place.default, place.force, &names)?;
         progress::staged(results.staged());
@@ -101,7 +101,7 @@ impl Session {
         self.threads
     }
 
-    /// Opens the folder that keeps work of the kind `of`, if one is wanted. `given` is all that the results depend on.
+    /// Opens the checkpoint folder for work of the kind `of`, where one is wanted. `given` is all input on which the results depend.
     pub(crate) fn checkpoint(
         &mut self,
         keeping: &Keeping,
@@ -118,36 +118,36 @@ impl Session {
         Ok(self.kept.clone())
     }
 
-    /// A progress bar for work that can say how far it is.
+    /// A progress bar, for work that can tell how far it is.
     pub(crate) fn bar(&self, title: &'static str) -> Bar {
         Bar::new(title, self.console.quiet)
     }
 
-    /// A sign of life for work that cannot.
+    /// A spinner, for work that cannot tell how far it is.
     pub(crate) fn busy(&self, title: &'static str) -> Bar {
         Bar::busy(title, self.console.quiet)
     }
 
-    /// Says what the user should know about the input.
+    /// Prints notes on the input.
     pub(crate) fn notes(&self, notes: &[String]) {
         for note in notes {
             self.console.say(&format!("note: {note}"));
         }
     }
 
-    /// Says what the user should look at.
+    /// Prints warnings.
     pub(crate) fn warnings(&self, warnings: &[String]) {
         self.console.warnings(warnings);
     }
 
-    /// Adds a file from memory.
+    /// Adds a file whose content is in memory.
     pub(crate) fn file(&mut self, name: &str, content: &[u8]) -> Result<(), Failure> {
         progress::check_interrupt()?;
         debug_assert!(self.files.iter().any(|file| file == name), "{name} was not announced");
         self.results.add(name, content)
     }
 
-    /// Adds a file that `fill` writes, too large to be held in memory a second time.
+    /// Adds a file that `fill` writes, where the content is too large to be held in memory a second time.
     pub(crate) fn written(
         &mut self,
         name: &str,
@@ -158,22 +158,22 @@ impl Session {
         self.results.add_written(name, fill)
     }
 
-    /// Where files are until they appear.
+    /// The folder in which the files are kept until they appear together.
     pub(crate) fn staged(&self) -> &Path {
         self.results.staged()
     }
 
-    /// Where the results will be.
+    /// The folder in which the results will appear.
     pub(crate) fn folder(&self) -> &Path {
         self.results.path()
     }
 
-    /// Takes back the announcement of a file that there is nothing to write into; with `--force` one of an earlier run goes.
+    /// Withdraws the announcement of a file that will not be written; with `--force` a file of this name from an earlier run is removed.
     pub(crate) fn omit(&mut self, name: &str) {
         self.files.retain(|file| file != name);
     }
 
-    /// The same for a file that may be what this run has read: one that stands there stays.
+    /// Withdraws the announcement of a file, but keeps a file of this name from an earlier run: this run may have read it.
     pub(crate) fn spare(&mut self, name: &str) {
         self.omit(name);
         self.results.spare(name);
@@ -186,7 +186,7 @@ impl Session {
         self.results.add_table(name, table, format)
     }
 
-    /// Adds a table of columns whose names are the program's own.
+    /// Adds a table whose column names the program itself has chosen.
     pub(crate) fn columns<N: ToString>(
         &mut self,
         name: &str,

@@ -10,18 +10,18 @@ use iwan_machine::Kind;
 use crate::args::Format;
 use crate::failure::Failure;
 
-/// A folder that is being filled.
+/// A results folder that is being filled.
 #[derive(Debug)]
 pub(crate) struct Results {
     folder: Folder,
     path: PathBuf,
-    /// The first choice where the user made none.
+    /// The default name, where the user named no folder.
     default: Option<String>,
-    /// Dropped after the folder: by then what was staged has gone.
+    /// Dropped after `folder`, when the staged files are gone.
     _parents: Parents,
 }
 
-/// Folders above the results that are not there yet: removed again where nothing appeared in them.
+/// Parent folders of the results that did not exist; they are removed again where no results appeared in them.
 #[derive(Debug)]
 struct Parents(Vec<PathBuf>);
 
@@ -34,7 +34,7 @@ impl Parents {
 
 impl Drop for Parents {
     fn drop(&mut self) {
-        // The innermost first; a folder that is not empty stays, which is what is wanted.
+        // The innermost folder comes first; removing a folder that is not empty fails, as it should.
         for path in &self.0 {
             let _ = std::fs::remove_dir(path);
         }
@@ -42,8 +42,8 @@ impl Drop for Parents {
 }
 
 impl Results {
-    /// Chooses the folder and says early whether it can be written: `given` by the user, else `default` or, where
-    /// that is taken, the next free number behind it.
+    /// Chooses the folder and checks that it can be written: `given` by the user, else `default` or, where that exists, `default` with the next free
+    /// number.
     pub(crate) fn open(
         given: Option<&Path>,
         default: &str,
@@ -67,29 +67,29 @@ impl Results {
                 .and_then(|folder| folder.check(names).map(|()| folder.in_place_of(names)));
             match staged {
                 Ok(folder) => return Ok(Self { folder, path, default: chosen, _parents: parents }),
-                // Another run has taken the name since it was found free.
+                // Another run has taken the folder since it was found free; the next number is tried.
                 Err(WriteError::Exists { .. } | WriteError::Busy { .. }) if chosen.is_some() => {}
                 Err(error) => return Err(input(error)),
             }
         }
     }
 
-    /// Where files are until they appear.
+    /// The folder in which the files are kept until they appear together.
     pub(crate) fn staged(&self) -> &Path {
         self.folder.staged()
     }
 
-    /// The folder.
+    /// The folder in which the results will appear.
     pub(crate) fn path(&self) -> &Path {
         &self.path
     }
 
-    /// Leaves a file of an earlier run where it is.
+    /// Keeps a file of an earlier run in its place.
     pub(crate) fn spare(&mut self, name: &str) {
         self.folder.spare(name);
     }
 
-    /// Adds a file from memory.
+    /// Adds a file whose content is in memory.
     pub(crate) fn add(&mut self, name: &str, content: &[u8]) -> Result<(), Failure> {
         self.folder.write(name, |w| w.write_all(content)).map_err(|e| failed(&e))
     }
@@ -113,7 +113,7 @@ impl Results {
         written.map_err(|e| failed(&e))
     }
 
-    /// Makes all files visible; returns where. Of two runs that chose the same folder by themselves the later one takes the next number.
+    /// Makes all files visible and returns their folder. Where two runs chose the same default folder, the later one takes the next free number.
     pub(crate) fn commit(self) -> Result<PathBuf, Failure> {
         let committed = match &self.default {
             Some(default) => self.folder.commit_where_free(|| free(default, false)),
@@ -127,7 +127,7 @@ fn failed(error: &WriteError) -> Failure {
     Failure::computation(error.to_string()).of(error.kind())
 }
 
-/// `default`, or the first of `default-2`, `default-3`, … that does not exist.
+/// The folder `default`, or the first of `default-2`, `default-3`, … that does not exist.
 fn free(default: &str, force: bool) -> PathBuf {
     let first = PathBuf::from(default);
     if force || first.symlink_metadata().is_err() {

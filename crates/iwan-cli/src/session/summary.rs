@@ -1,4 +1,4 @@
-//! What a command says about its results: one JSON object for files and programs, one text for the terminal.
+//! The summary of a command's results: one JSON object for files and programs, one text for the terminal.
 
 use std::path::Path;
 
@@ -6,18 +6,18 @@ use serde::Serialize;
 
 use crate::failure::VERSION;
 
-/// The summary of what a command found. Its fields are the keys of the JSON object; the session puts `version` before them
-/// and `files` behind them, and on standard output `folder`.
+/// The summary of a command's results. Its fields are the keys of the JSON object; the session puts `version` before them and `files` behind them,
+/// and on standard output also `folder`.
 pub(crate) trait Summary: Serialize {
-    /// What the page shows, as the last note on standard error calls it.
+    /// What the page shows, in the words of the last note on standard error.
     const SHOWN: &'static str = "figures";
 
-    /// What the user should look at, where the computation found it; said once the results are there.
+    /// Warnings that the computation found; they are printed once the results are written.
     fn warnings(&self) -> &[String] {
         &[]
     }
 
-    /// Wall-clock time, s, where it stands on standard output only, so that the file is the same every time.
+    /// Wall-clock time, s, for a summary that shows it on standard output only, so that the file is the same at every run.
     fn seconds(&self) -> Option<f64> {
         None
     }
@@ -26,7 +26,7 @@ pub(crate) trait Summary: Serialize {
     fn text(&self) -> String;
 }
 
-/// A summary with what the session adds.
+/// A summary with the keys that the session adds.
 #[derive(Serialize)]
 struct Whole<'a, S> {
     version: &'static str,
@@ -34,30 +34,30 @@ struct Whole<'a, S> {
     summary: &'a S,
     #[serde(skip_serializing_if = "<[String]>::is_empty")]
     files: &'a [String],
-    /// Where the files are: on standard output only, so that the folder may be moved.
+    /// The folder of the files; on standard output only, so that the folder may be moved.
     #[serde(skip_serializing_if = "Option::is_none")]
     folder: Option<&'a Path>,
     #[serde(skip_serializing_if = "Option::is_none")]
     seconds: Option<f64>,
 }
 
-/// The summary as it stands in its file.
+/// The summary as JSON for its file.
 pub(super) fn written(summary: &impl Summary, files: &[String]) -> String {
     json(&Whole { version: VERSION, summary, files, folder: None, seconds: None })
 }
 
-/// The summary as other programs get it, who have no folder of files.
+/// The summary as JSON for other programs, which have no folder of files.
 pub(crate) fn alone(summary: &impl Summary) -> String {
     written(summary, &[])
 }
 
-/// The summary as standard output shows it.
+/// The summary as JSON for standard output.
 pub(super) fn printed(summary: &impl Summary, files: &[String], folder: &Path) -> String {
     json(&Whole { version: VERSION, summary, files, folder: Some(folder), seconds: summary.seconds() })
 }
 
 fn json(whole: &impl Serialize) -> String {
-    // Numbers, texts and lists: serialisation cannot fail.
+    // The summary holds numbers, texts and lists, whose serialisation cannot fail.
     let mut text = serde_json::to_string_pretty(whole).unwrap_or_default();
     text.push('\n');
     text

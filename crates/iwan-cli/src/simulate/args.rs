@@ -150,7 +150,7 @@ impl JointName {
     }
 }
 
-/// A finite number of seconds > 0.
+/// Reads a finite number of seconds > 0.
 fn seconds(text: &str) -> Result<f64, String> {
     finite(text).ok().filter(|s| *s > 0.0).ok_or_else(|| "must be a finite number of seconds > 0".into())
 }

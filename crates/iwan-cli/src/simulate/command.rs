@@ -64,7 +64,7 @@ fn run_modes(args: &SimulateArgs, name: &str, scenario: &Scenario) -> Result<(),
     session.finish(&summary)
 }
 
-/// The response, of which the joints are those that modes share.
+/// Computes the response; `joints` of the result are those that modes share.
 fn compute(scenario: &Scenario, session: &Session) -> Result<CoupledResponse, SimulationError> {
     let bar = session.bar("simulating");
     let (modes, joints, force) = (scenario.modes(), scenario.joints(), scenario.force.pulse());

@@ -1,10 +1,10 @@
-//! Why a simulation failed.
+//! Reasons why a simulation failed, in the user's terms.
 
 use iwan_sim::SimulationError;
 
 use crate::failure::Failure;
 
-/// A failed computation in the user's terms: what could not be set up is bad input, the rest failed.
+/// A failed simulation in the user's terms: a scenario that cannot be set up is bad input, any other error a failed computation.
 pub(super) fn explain(name: &str, error: &SimulationError) -> Failure {
     let root = match error {
         SimulationError::Mode { source, .. } | SimulationError::Joint { source, .. } => source,

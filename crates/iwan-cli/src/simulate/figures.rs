@@ -6,44 +6,44 @@ use iwan_sim::{Cycle, Extreme, JointLaw, Mode, Response, extremes};
 use crate::page::decimate::{STRETCHES, history, thin};
 use crate::page::figure::{Axis, Figure, Layer, Mark, Marker, colour};
 
-/// Points of a measured curve, at most. Dots are 5 units wide and touch each other in the plane's 494 from a hundred on; more
-/// than this only make the page larger.
+/// Most points of a measured curve. Dots are 5 units wide and touch each other in the plane's 494 units from a hundred dots on; more than this only
+/// make the page larger.
 const MEASURED: usize = 400;
 
-/// Points of a closed form: one for every four units of the plane, between which straight lines look smooth.
+/// Points of a closed form: one for every four units of the plane's width, so that straight pieces look smooth.
 const CURVE: usize = 121;
 
-/// Points of a loop, at most: corners of straight lines do not show from 100 in a cycle on.
+/// Most points of a loop: from 100 points per cycle on the straight pieces cannot be told from a curve.
 const LOOP: usize = 240;
 
-/// How far closed forms run beyond the amplitudes of the response, as a ratio to either side: how they go on is seen, and
-/// points do not lie at the rim. From 1.2 to 3 does as well.
+/// Closed forms are drawn beyond the amplitudes of the response by this ratio on either side: their course is visible, and no point lies at the edge.
+/// Ratios from 1.2 to 3 do as well.
 const BEYOND: f64 = 1.6;
 
-/// How far the force is drawn beyond the time at which it has settled, as a ratio: its end is seen.
+/// The force is drawn beyond the time at which it has settled by this ratio, so that its end is visible.
 const BEHIND: f64 = 1.25;
 
-/// The response is compared with the onset of macro-slip where its largest amplitude is no further below than this ratio.
+/// The onset of macro-slip is included in the figures where the largest amplitude reaches at least φ_max over this ratio.
 const NEAR: f64 = 3.0;
 
-/// What is said of a mode that shares joints.
+/// Caption for a mode that shares joints with others.
 const SHARED: &str = "Points: from the response, in which all modes move the joints. Line: the mode with all joints stuck; what it \
     would lose alone is less than what the points show.";
 
-/// A response with what was read off it.
+/// A mode with its response and the quantities read off the response.
 #[derive(Debug)]
 pub(crate) struct Decay<'a> {
     pub(crate) mode: &'a Mode,
     pub(crate) response: &'a Response,
-    /// Cycles after the force has settled.
+    /// Cycles after the time `settled`.
     pub(crate) cycles: Vec<Cycle>,
-    /// Time at which it has.
+    /// Time from which on the force is constant, s.
     pub(crate) settled: f64,
-    /// Whether the mode shares joints with others: it has no closed forms of its own.
+    /// Whether the mode shares joints with others; a mode that does has no closed forms.
     pub(crate) shares: bool,
 }
 
-/// A loop of the joint.
+/// A hysteresis loop of the joint.
 struct Loop {
     name: &'static str,
     colour: &'static str,
@@ -51,12 +51,12 @@ struct Loop {
     points: Vec<(f64, f64)>,
 }
 
-/// A history of one quantity.
+/// A figure of one quantity over time.
 pub(crate) fn of_history(title: String, quantity: &str, samples: &[f64], dt: f64, caption: &str) -> Figure {
     of_points(title, quantity, history(samples, dt, STRETCHES), caption)
 }
 
-/// The same from points that are drawn as they are: time and value.
+/// A figure over time of points (time, value) that are drawn without reduction.
 pub(super) fn of_points(title: String, quantity: &str, points: Vec<(f64, f64)>, caption: &str) -> Figure {
     Figure {
         title,
@@ -68,7 +68,7 @@ pub(super) fn of_points(title: String, quantity: &str, points: Vec<(f64, f64)>, 
     }
 }
 
-/// The force as the simulation samples it, up to a little behind its end; none where none acts.
+/// The force as the simulation samples it, until a little beyond its end; none where no force acts.
 pub(crate) fn of_force(force: &Pulse<'_>, dt: f64, duration: f64, caption: &str) -> Option<Figure> {
     if *force == Pulse::None {
         return None;
@@ -136,8 +136,7 @@ impl Decay<'_> {
         }
     }
 
-    /// The first, middle and last cycle after the force (or of the whole response, where it never settles), as
-    /// displacement and joint force.
+    /// The first, middle and last cycle after the force (or of the whole response, where the force never settles), as displacement and joint force.
     fn loops(&self) -> Vec<Loop> {
         let response = self.response;
         let turns_from = |first| extremes(&response.displacement, response.dt, first);
@@ -156,7 +155,7 @@ impl Decay<'_> {
         .into()
     }
 
-    /// The loops with the virgin curve, and the same less the stuck joint's line, which shows thin loops too.
+    /// The loops with the virgin curve, and both again minus the line of the stuck joint, which makes thin loops visible.
     fn hysteresis(&self) -> Vec<Figure> {
         let law = self.mode.joint.as_ref();
         if law.is_none() && self.mode.is_plain() && !self.shares {
@@ -164,7 +163,7 @@ impl Decay<'_> {
         }
         let (reach, k_t) = (self.response.peak_displacement(), law.map_or(0.0, Backbone::initial_stiffness));
         let at = |n: usize| reach * (n as f64 / (CURVE - 1) as f64);
-        // Dampers have no virgin curve.
+        // Where dampers act beside the joint, the force has no virgin curve.
         let bare = law.filter(|_| self.mode.is_plain() && !self.shares);
         let virgin: Vec<_> =
             bare.map(|law| (0..CURVE).map(|n| (at(n), law.force(at(n)))).collect()).unwrap_or_default();
@@ -197,7 +196,7 @@ impl Decay<'_> {
                 k_t,
             ),
         ];
-        // Without a joint there is no stuck line, and the second figure would be the first.
+        // Without a joint there is no line of the stuck joint to subtract, and the second figure would repeat the first.
         figures.truncate(if law.is_some() && !self.shares { 2 } else { 1 });
         figures
     }
@@ -233,7 +232,7 @@ impl Decay<'_> {
         }))
     }
 
-    /// A closed form as a line and what was measured as points.
+    /// A closed form as a line, with the measured values as dots.
     fn against_amplitude(
         &self,
         title: &str,
@@ -256,7 +255,7 @@ impl Decay<'_> {
         }
         let onset = |law: &JointLaw| Marker { value: law.strengths().1, label: "\u{3c6}_max: macro-slip" };
         let marker = self.mode.joint.as_ref().filter(|_| !self.shares).map(onset);
-        // A stuck mode loses nothing in joints, and a logarithmic axis has no place for that.
+        // A stuck mode without viscous damping dissipates nothing, and a logarithmic axis cannot show zero.
         if self.shares {
             for layer in &mut layers {
                 layer.points.retain(|(_, y)| *y > 0.0);
@@ -272,7 +271,7 @@ impl Decay<'_> {
         Figure { title, caption, x, y, layers, marker }
     }
 
-    /// Range of amplitudes of the closed forms: the response's own, and φ_max where it is near.
+    /// Range of amplitudes for the closed forms: that of the response, extended to φ_max where this is near.
     fn amplitudes(&self) -> (f64, f64) {
         let measured = self.cycles.iter().map(|c| c.amplitude);
         let peak = self.response.peak_displacement();

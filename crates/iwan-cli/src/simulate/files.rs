@@ -1,4 +1,4 @@
-//! The files of a simulation: their names, and the columns of the response.
+//! The files of a simulation: their names and the columns of the response.
 
 use iwan_input::scenario::{Force, Scenario};
 use iwan_io::Table;
@@ -9,13 +9,13 @@ use crate::args::Format;
 use crate::failure::Failure;
 use crate::session::{PAGE, SUMMARY, Session};
 
-/// The run as it was, to be repeated.
+/// File with the scenario as run, from which the run can be repeated.
 pub(super) const SCENARIO: &str = "scenario.toml";
 
-/// Name under which a force history from a file is handed on.
+/// File with a copy of the force history, where the scenario reads the force from a file.
 pub(super) const FORCE: &str = "force.csv";
 
-/// What the columns of a mode are; a point has the first three.
+/// Quantities in the columns of a mode; a named point has the first three.
 const QUANTITIES: [&str; 4] = ["displacement", "velocity", "acceleration", "joint_force"];
 
 /// Displacement, velocity and acceleration at a named point.
@@ -30,7 +30,7 @@ pub(super) fn names(scenario: &Scenario, format: Format) -> Vec<String> {
     names
 }
 
-/// Writes what repeats the run: the scenario as run, and the file it takes its force from.
+/// Writes the input from which the run can be repeated: the scenario as run, and the file of the force.
 pub(super) fn write_input(session: &mut Session, scenario: &Scenario, toml: &str) -> Result<(), Failure> {
     session.file(SCENARIO, toml.as_bytes())?;
     match &scenario.force {
@@ -39,7 +39,7 @@ pub(super) fn write_input(session: &mut Session, scenario: &Scenario, toml: &str
     }
 }
 
-/// Writes the response as the options ask for; `remedy` says what helps where names of columns are no names.
+/// Writes the response as the options ask for; `remedy` tells the user what to do where the names of the columns are not valid.
 pub(super) fn write_response(
     session: &mut Session,
     args: &SimulateArgs,
@@ -54,7 +54,7 @@ pub(super) fn write_response(
     session.table(&name, &table, args.format)
 }
 
-/// Every so many-th row of columns.
+/// Every `every`-th row of the columns.
 fn thinned(columns: &[(String, &[f64])], every: usize) -> Vec<(String, Vec<f64>)> {
     let thin = |values: &[f64]| values.iter().copied().step_by(every).collect();
     columns.iter().map(|(name, values)| (name.clone(), thin(values))).collect()

@@ -1,4 +1,4 @@
-//! Joints in a response: their table and their loops.
+//! Joints in a response: their table and their hysteresis loops.
 
 use maud::{Markup, html};
 
@@ -7,8 +7,8 @@ use crate::page::decimate::thin;
 use crate::page::figure::{Axis, Figure, Layer, Mark, colour};
 use crate::page::numbers::short;
 
-/// Points of a joint's loops, all cycles on one line, at most: some 70 kB. Longer responses are thinned to as many, which leaves
-/// 60 to each of a hundred cycles.
+/// Most points of a joint's loops, drawn as one line over all cycles: some 70 kB of the page. Longer responses are thinned to this number, which
+/// leaves 60 points to each of a hundred cycles.
 const LOOP: usize = 6000;
 
 /// The joints with their largest slips and forces.

@@ -14,11 +14,11 @@ use crate::page::figure::Figure;
 use crate::page::html::{grid, page, verdict};
 use crate::page::numbers::{error, short};
 
-/// Modes with figures of their own, at most, and points as well. Twenty modes take 2.5 MB and twenty points 0.7 MB of the page; it
-/// says that there are more, and the response file has them all.
+/// Most modes, and most named points, that have figures of their own. Twenty modes take 2.5 MB of the page and twenty points 0.7 MB; of more, the
+/// page says so, and the response file holds all.
 pub(super) const MOST: usize = 20;
 
-/// What the report is about.
+/// The contents of the report.
 #[derive(Debug)]
 pub(super) struct Reported<'a> {
     pub(crate) scenario: &'a Scenario,
@@ -188,7 +188,7 @@ fn modes(run: &Reported<'_>) -> Markup {
     }
 }
 
-/// The mode in a sentence.
+/// A description of the mode in a sentence.
 pub(super) fn describe(mode: &Mode, summary: &ModeSummary, shares: bool) -> String {
     if shares {
         return describe_coupled(summary);
@@ -223,7 +223,7 @@ pub(super) fn describe(mode: &Mode, summary: &ModeSummary, shares: bool) -> Stri
     format!("{} Hz at small amplitude; {what}.{parts}{share}", short(summary.frequency))
 }
 
-/// A mode that shares joints, in a sentence.
+/// A description, in a sentence, of a mode that shares joints.
 fn describe_coupled(summary: &ModeSummary) -> String {
     let ratio = summary.slip_ratio;
     let reach = if ratio >= 1.0 { "beyond macro-slip" } else { "into micro-slip" };
@@ -237,7 +237,7 @@ fn describe_coupled(summary: &ModeSummary) -> String {
     )
 }
 
-/// The joints that modes share.
+/// The section on the joints that modes share.
 fn joints(run: &Reported<'_>) -> Markup {
     let Some(coupled) = &run.summary.coupled else { return html! {} };
     let histories = run.response.joints.iter().filter(|joint| joint.slip_ratio() > 0.0).take(MOST);

@@ -1,4 +1,4 @@
-//! `iwan simulate --stream`: the response is written as it is computed, and nothing is kept that grows with its length.
+//! `iwan simulate --stream`: the response is written while it is computed, so that memory does not grow with its length.
 
 use std::fs::File;
 use std::io::{self, BufWriter};
@@ -24,7 +24,7 @@ use crate::page::figure::Figure;
 use crate::page::html::{grid, page, verdict};
 use crate::session::{SUMMARY, Session};
 
-/// Samples up to which a force is drawn, 8 MB of them: it is sampled whole for that.
+/// A force is drawn only up to this number of samples, because its history is computed whole (8 MB at this number).
 const MOST_OF_FORCE: f64 = 1e6;
 
 /// Runs a scenario of modes.
@@ -57,7 +57,7 @@ pub(super) fn run(args: &SimulateArgs, name: &str, scenario: &Scenario) -> Resul
         let force = scenario.force.pulse();
         let totals = stream(&modes, &force, &scenario.settings, &mut take, &|share| bar.report(share));
         broken?;
-        // Why there is no response is told below; here the file is given up.
+        // The error of the response is reported below; here the unfinished file is discarded.
         let failed = totals.is_err();
         ended = Some(totals);
         if failed { Err(io::Error::other("no response")) } else { rows.table.finish().map_err(plain) }
@@ -79,7 +79,7 @@ pub(super) fn run(args: &SimulateArgs, name: &str, scenario: &Scenario) -> Resul
     session.finish(&summary)
 }
 
-/// Refuses what needs all of a response at once.
+/// Refuses scenarios whose computation needs the whole response in memory.
 fn check(name: &str, scenario: &Scenario) -> Result<(), Failure> {
     let what = match scenario {
         Scenario { structure: Some(_), .. } => "a [structure]",
@@ -101,17 +101,17 @@ fn plain(error: GrowingError) -> io::Error {
     }
 }
 
-/// A named point, to which modes add up.
+/// A named point, whose motion is a sum over modes.
 struct Followed {
     name: String,
-    /// Modes that move it, and how much.
+    /// Each mode that moves the point, by its index, and the mode's shape at the point.
     shapes: Vec<(usize, f64)>,
-    /// Displacement, velocity and acceleration in the last stretch.
+    /// Displacement, velocity and acceleration in the latest stretch of samples.
     motion: [Vec<f64>; 3],
     peaks: [f64; 3],
 }
 
-/// The points in the order in which modes first name them.
+/// The named points, in the order in which the modes name them first.
 fn points(modes: &[Mode]) -> Vec<Followed> {
     let mut points: Vec<Followed> = Vec::new();
     for (r, mode) in modes.iter().enumerate() {
@@ -140,7 +140,7 @@ impl Followed {
     }
 }
 
-/// The rows that are written.
+/// The rows of the response table that are written.
 struct Rows<'a> {
     table: Growing<&'a mut BufWriter<File>>,
     dt: f64,
@@ -179,7 +179,7 @@ impl<'a> Rows<'a> {
     }
 }
 
-/// What is drawn: displacement and acceleration of each mode and point.
+/// The histories to draw: displacement and acceleration of each mode and each named point.
 struct Histories {
     modes: Vec<[Passing; 2]>,
     points: Vec<[Passing; 2]>,
@@ -212,7 +212,7 @@ fn figures([displacement, acceleration]: [Passing; 2], dt: f64, of: &str, captio
     [draw("Displacement", displacement), draw("Acceleration", acceleration)]
 }
 
-/// The page: the figures of `iwan simulate` that need no more of a response than what is drawn.
+/// The page, with those figures of `iwan simulate` that need only the histories to draw.
 fn render(
     scenario: &Scenario,
     summary: &SimulationSummary,

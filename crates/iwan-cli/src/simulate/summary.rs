@@ -1,4 +1,4 @@
-//! What a simulation says about itself: `summary.json`, the table on the terminal, and warnings in words.
+//! The summary of a simulation: `summary.json`, the table on the terminal, and warnings in words.
 
 use std::fmt::Write;
 
@@ -12,12 +12,12 @@ use crate::page::numbers::{error, or_dash, short};
 use crate::session::Summary;
 use crate::structures::Size;
 
-/// An estimated error above this share of the peak is worth a warning: it is seen in a figure. A matter of judgement; both
-/// errors of the built-in scenario stay below 5e-4.
+/// An estimated error above this part of the peak gets a warning, because it is visible in a figure. A matter of judgement; both errors of the
+/// built-in scenario stay below 5e-4.
 const LARGE_ERROR: f64 = 0.01;
 
-/// Fewer samples in a cycle than this are coarse: the period of average acceleration without prewarping is then wrong by
-/// (omega dt)^2/12 = 0.8 %, and damping read off the extremes of a linear decay by 2 %.
+/// Fewer samples per cycle than this get a warning: the period by average acceleration without prewarping is then wrong by (omega dt)^2/12 = 0.8 %,
+/// and the damping read off the extremes of a linear decay by 2 %.
 const COARSE: f64 = 20.0;
 
 /// The summary of a simulation.
@@ -33,7 +33,7 @@ pub(crate) struct SimulationSummary {
     pub(crate) duration: f64,
     /// One entry per mode.
     pub(crate) modes: Vec<ModeSummary>,
-    /// One entry per physical point.
+    /// One entry per named point.
     pub(crate) points: Vec<PointSummary>,
     /// The structure and its joints, where the scenario has one.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -47,7 +47,7 @@ pub(crate) struct SimulationSummary {
     pub(crate) seconds: f64,
 }
 
-/// What a run on a structure says beyond its modes.
+/// What the summary of a run on a structure holds beside its modes.
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct StructureSummary {
     pub(crate) title: String,
@@ -56,11 +56,11 @@ pub(crate) struct StructureSummary {
     pub(crate) model: &'static str,
     /// Modes in the basis of the reduced model.
     pub(crate) basis: Option<usize>,
-    /// Estimated error of the reduction (accelerations of the outputs), where it was sought.
+    /// Estimated relative error of the reduction, in the accelerations of the outputs; none where it was not estimated.
     pub(crate) basis_error: Option<f64>,
-    /// Whether that reached the tolerance.
+    /// Whether that error is within the tolerance.
     pub(crate) converged: Option<bool>,
-    /// One entry per slip.
+    /// One entry per slip of a joint.
     pub(crate) slips: Vec<SlipSummary>,
 }
 
@@ -75,7 +75,7 @@ pub(crate) struct SlipSummary {
 }
 
 impl StructureSummary {
-    /// What the user should look at, in words.
+    /// Warnings in words.
     pub(crate) fn warnings(&self) -> Vec<String> {
         let (Some(basis), Some(error), Some(false)) = (self.basis, self.basis_error, self.converged) else {
             return Vec::new();
@@ -87,12 +87,12 @@ impl StructureSummary {
     }
 }
 
-/// What a run of modes that share joints says beyond its modes.
+/// What the summary of modes that share joints holds beside the modes.
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct CoupledSummary {
     /// Relative error of the energy balance of all coupled modes and joints.
     pub(crate) energy_error: f64,
-    /// That balance.
+    /// The energy balance of all coupled modes and joints.
     pub(crate) energy: Energy,
     /// One entry per joint.
     pub(crate) joints: Vec<JointSummary>,
@@ -103,7 +103,7 @@ pub(crate) struct CoupledSummary {
 pub(crate) struct JointSummary {
     #[serde(flatten)]
     pub(crate) slip: SlipSummary,
-    /// Energy that its sliders took.
+    /// Energy dissipated by the joint's sliders.
     pub(crate) friction: f64,
     pub(crate) forgotten_force: f64,
 }
@@ -121,7 +121,7 @@ impl JointSummary {
 }
 
 impl CoupledSummary {
-    /// Of a response.
+    /// Makes the summary of a response.
     pub(crate) fn new(response: &CoupledResponse) -> Self {
         Self {
             energy_error: response.energy.error(),
@@ -130,7 +130,7 @@ impl CoupledSummary {
         }
     }
 
-    /// What the user should look at, in words.
+    /// Warnings in words.
     fn warnings(&self) -> Vec<String> {
         let mut warnings = Vec::new();
         if self.energy_error > LARGE_ERROR {
@@ -149,11 +149,11 @@ impl CoupledSummary {
     }
 }
 
-/// The summary of one mode. Modal units; errors relative to the peak displacement.
+/// The summary of one mode, in modal units; errors are relative to the peak displacement.
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct ModeSummary {
     pub(crate) name: String,
-    /// Hz at small amplitude.
+    /// Frequency at small amplitude, Hz.
     pub(crate) frequency: f64,
     /// Viscous damping ratio.
     pub(crate) damping_ratio: f64,
@@ -167,7 +167,8 @@ pub(crate) struct ModeSummary {
     pub(crate) time_step_error: Option<f64>,
     pub(crate) discretisation_error: Option<f64>,
     pub(crate) forgotten_force: f64,
-    /// Time from which on a mode by curves stays below them, and time at which it first exceeds them, s.
+    /// For a mode by curves (frequency and damping ratio tabulated against amplitude): the time from which on its amplitude stays below the curves'
+    /// range, and, below, the time at which it first exceeds this range, s.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) below_curves_from: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -191,7 +192,7 @@ pub(crate) struct Energy {
     pub(crate) residual: f64,
 }
 
-/// The summary of one physical point.
+/// The summary of one named point.
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct PointSummary {
     pub(crate) name: String,
@@ -207,13 +208,13 @@ impl From<&EnergyBalance> for Energy {
     }
 }
 
-/// The largest size of a value.
+/// The largest absolute value.
 pub(super) fn peak(values: &[f64]) -> f64 {
     values.iter().fold(0.0, |most, x| most.max(x.abs()))
 }
 
 impl ModeSummary {
-    /// Of a mode and its response.
+    /// Makes the summary of a mode from its response.
     pub(crate) fn new(mode: &Mode, response: &Totals) -> Self {
         Self {
             name: mode.name.clone(),
@@ -237,7 +238,7 @@ impl ModeSummary {
         }
     }
 
-    /// What the user should look at, in words.
+    /// Warnings in words.
     pub(crate) fn warnings(&self) -> Vec<String> {
         let mut warnings = Vec::new();
         let name = &self.name;
@@ -291,12 +292,12 @@ impl ModeSummary {
 }
 
 impl PointSummary {
-    /// Of displacement, velocity and acceleration at a point.
+    /// Makes the summary of a point from its displacement, velocity and acceleration.
     pub(crate) fn new(name: &str, [displacement, velocity, acceleration]: &[Vec<f64>; 3]) -> Self {
         Self::of_peaks(name, [peak(displacement), peak(velocity), peak(acceleration)])
     }
 
-    /// Of the peaks of displacement, velocity and acceleration.
+    /// Makes the summary of a point from the peaks of its displacement, velocity and acceleration.
     pub(crate) fn of_peaks(name: &str, [displacement, velocity, acceleration]: [f64; 3]) -> Self {
         Self {
             name: name.into(),
@@ -307,20 +308,20 @@ impl PointSummary {
     }
 }
 
-/// 0.0123 as "1.2 %".
+/// A share in per cent: 0.0123 becomes "1.23 %".
 fn percent(share: f64) -> String {
     format!("{:.2} %", 100.0 * share)
 }
 
 /// One line of the table.
 pub(crate) struct Row {
-    /// What it is.
+    /// Label of the line.
     pub(crate) label: &'static str,
-    /// How a mode shows it.
+    /// Text of the line for one mode.
     pub(crate) cell: fn(&ModeSummary) -> String,
 }
 
-/// The lines of the table, on the terminal and on the page.
+/// The lines of the table of modes, for the terminal and the page.
 pub(crate) const ROWS: [Row; 12] = [
     Row { label: "frequency, Hz", cell: |m| short(m.frequency) },
     Row { label: "viscous damping ratio", cell: |m| short(m.damping_ratio) },
@@ -336,12 +337,12 @@ pub(crate) const ROWS: [Row; 12] = [
     Row { label: "seconds", cell: |m| format!("{:.2e}", m.seconds) },
 ];
 
-/// Modes side by side in the table: 22 columns for the label and 12 for each mode stay below the 80 of a terminal as
-/// long as names have ten letters; further modes follow in another block.
+/// Modes side by side in the table: 22 columns for the label and 12 for each mode stay within the 80 of a terminal as long as names have at most ten
+/// letters; further modes follow in another block.
 const ABREAST: usize = 4;
 
 impl SimulationSummary {
-    /// Of a scenario of modes, called `name` where it has no title, its responses, and the points.
+    /// Makes the summary from the scenario (called `name` where it has no title), the responses of its modes, and the named points.
     pub(super) fn new(
         scenario: &Scenario,
         name: &str,
@@ -355,7 +356,7 @@ impl SimulationSummary {
         Self::of(scenario, name, &totals, coupled, points, seconds)
     }
 
-    /// The same of what is kept of responses.
+    /// Makes the same summary from the totals that are kept of streamed responses.
     pub(super) fn of(
         scenario: &Scenario,
         name: &str,

@@ -1,4 +1,4 @@
-//! A structure with its linear modes, named: what the structure commands begin with.
+//! A structure with its named linear modes, with which the commands on structures begin.
 
 use std::ops::Deref;
 use std::sync::Arc;
@@ -10,14 +10,14 @@ use super::args::StructureArgs;
 use crate::failure::Failure;
 use crate::progress::Bar;
 
-/// Elastic modes among which a name is looked up: twice as many as `iwan modes` lists unless told, so that whatever stands in
-/// its table is found. A name beyond them is refused as unknown.
+/// Number of elastic modes among which a mode is looked up by name: twice as many as `iwan modes` lists by default, so that every name in its table
+/// is found. A name beyond them is refused as unknown.
 pub(crate) const NAMED_MODES: usize = 40;
 
-/// A structure file and the modes of its structure; a clone shares both, for work beside the thread that watches for Ctrl-C.
+/// A structure file and the modes of its structure. A clone shares both, for work beside the thread that watches for Ctrl-C.
 #[derive(Debug, Clone)]
 pub(crate) struct Linear {
-    /// Name for messages.
+    /// Name of the structure in messages.
     pub(crate) source: String,
     /// The file.
     pub(crate) file: Arc<StructureFile>,
@@ -32,7 +32,7 @@ impl Deref for Linear {
     }
 }
 
-/// The structure file that was given, the folder of a reduced model, or the built-in structure.
+/// Opens the given structure file, the folder of a reduced model, or the built-in structure.
 pub(crate) fn load(args: &StructureArgs) -> Result<(InputText, StructureFile), Failure> {
     let source = match &args.path {
         Some(path) if ReducedFolder::is_one(path) => return Ok(StructureFile::open_reduced(path)?),
@@ -43,7 +43,7 @@ pub(crate) fn load(args: &StructureArgs) -> Result<(InputText, StructureFile), F
     Ok((source, file))
 }
 
-/// A failure of the analysis in the user's terms: what could not be set up is bad input, the rest failed.
+/// A failed analysis in the user's terms: what cannot be set up is bad input, any other error a failed computation.
 pub(crate) fn explain(source: &str, error: &iwan_fem::Error) -> Failure {
     use iwan_fem::Error;
     match error {
@@ -57,10 +57,10 @@ pub(crate) fn explain(source: &str, error: &iwan_fem::Error) -> Failure {
     }
 }
 
-/// Above so many unknowns memory is spoken of: below, a factor takes some hundred megabytes at most.
+/// Above this number of unknowns a note names the memory that the analysis takes; below, a factor takes some hundred megabytes at most.
 const LARGE: usize = 50_000;
 
-/// What modes of a large structure need.
+/// The note on the memory that the modes of a large structure take.
 fn memory_of(unknowns: usize, [all, factor]: [u64; 2], count: usize) -> String {
     let gigabytes = |bytes: u64| format!("{:.1} GB", bytes as f64 / 1e9);
     format!(
@@ -71,8 +71,8 @@ fn memory_of(unknowns: usize, [all, factor]: [u64; 2], count: usize) -> String {
 }
 
 impl Linear {
-    /// Computes at least `count` elastic modes in both limits. That is done beside this thread, which watches for Ctrl-C also while a matrix
-    /// is factored; how much memory that takes is said before where it is much.
+    /// Computes at least `count` elastic modes with all joints stuck and with all slipping. The work runs beside this thread, which watches for
+    /// Ctrl-C even while a matrix is factored. Where the work takes much memory, a note says so first.
     pub(crate) fn computed(
         source: String,
         file: StructureFile,
@@ -97,7 +97,7 @@ impl Linear {
         explain(&self.source, error)
     }
 
-    /// What in the file does not fit the run.
+    /// An error by a part of the file that does not fit the run, as a failure.
     pub(crate) fn refused(&self, InputError { message, remedy, kind }: InputError) -> Failure {
         Failure::input(format!("{}: {message}", self.source), remedy).of(kind)
     }

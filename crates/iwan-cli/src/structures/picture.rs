@@ -1,12 +1,12 @@
-//! The picture of a mesh with its parts in colours.
+//! The picture of a mesh with its parts in different colours.
 
 use iwan_fem::mesh::Mesh;
 use maud::{Markup, html};
 
 use crate::page::solid::{Colour, Solid};
 
-/// Outer faces or dots in the pictures of a page, all pictures together, at most. Half of them look at the viewer and take 75 bytes
-/// each: 1.5 MB, which a browser opens without a pause. A mesh with more is not drawn where it is only an illustration.
+/// Most outer faces or dots in all pictures of a page together. Half of the faces look at the viewer and take 75 bytes each: 1.5 MB, which a browser
+/// opens without a pause. A larger mesh is not drawn where it would be an illustration only.
 pub(crate) const MOST_FACES: usize = 40_000;
 
 /// Colours for the parts of a mesh, pale so that shading shows on them; a seventh part has the first colour again.
@@ -19,7 +19,7 @@ const PARTS: [Colour; 6] = [
     [190.0, 180.0, 220.0],
 ];
 
-/// The mesh, where it is not too large for an illustration.
+/// The picture of the mesh; nothing where the mesh has more pieces than [`MOST_FACES`].
 pub(crate) fn illustration(solid: &Solid<'_>, mesh: &Mesh) -> Markup {
     html! { @if solid.pieces() <= MOST_FACES { (mesh_picture(solid, mesh)) } }
 }

@@ -1,4 +1,4 @@
-//! How large a structure is.
+//! The size of a structure in numbers.
 
 use maud::{Markup, html};
 use serde::Serialize;
@@ -6,7 +6,7 @@ use serde::Serialize;
 use super::linear::Linear;
 use crate::page::numbers::short;
 
-/// How large a structure is.
+/// Numbers of nodes, elements, unknowns and joints of a structure.
 #[derive(Debug, Clone, Copy, Serialize)]
 pub(crate) struct Size {
     pub(crate) nodes: usize,
@@ -18,7 +18,7 @@ pub(crate) struct Size {
 }
 
 impl Size {
-    /// Of a structure.
+    /// The size of a structure.
     pub(crate) fn of(linear: &Linear) -> Self {
         let structure = &linear.file.structure;
         Self {
@@ -31,7 +31,7 @@ impl Size {
         }
     }
 
-    /// As a paragraph of a page.
+    /// The size as a paragraph of a page.
     pub(crate) fn paragraph(&self) -> Markup {
         html! {
             p.about {

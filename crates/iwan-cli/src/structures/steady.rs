@@ -1,4 +1,4 @@
-//! A structure as harmonic balance sees it.
+//! A structure prepared for harmonic balance.
 
 use iwan_fem::Model;
 use iwan_input::{Drive, RunError, SteadyStructure, SteadyTask};
@@ -7,18 +7,18 @@ use super::linear::Linear;
 use crate::failure::Failure;
 use crate::progress::Bar;
 
-/// What is asked of the structure.
+/// The settings of the steady vibration.
 #[derive(Debug, Clone)]
 pub(crate) struct Asked {
     pub(crate) drive: Drive,
     /// Name of the output whose motion is the response.
     pub(crate) at: Option<String>,
-    /// Viscous ratio of every elastic mode.
+    /// Viscous damping ratio of every elastic mode.
     pub(crate) damping_ratio: f64,
     pub(crate) model: Model,
 }
 
-/// Reduces the structure; `bar` shows how far that is, and Ctrl-C ends it.
+/// Reduces the structure; `bar` shows the progress, and Ctrl-C ends the work.
 pub(crate) fn steady(linear: &Linear, asked: Asked, bar: &Bar) -> Result<SteadyStructure, Failure> {
     let (own, teller) = (linear.clone(), bar.teller());
     let found = bar.wait(move || {

@@ -38,7 +38,7 @@ enum Format {
 /// A file that is built in.
 struct File {
     name: &'static str,
-    /// What it shows, in one line.
+    /// What the file shows, in one line.
     about: &'static str,
     text: &'static str,
 }

@@ -12,7 +12,7 @@ use crate::failure::Failure;
 use crate::records::Motion;
 use crate::structures::Linear;
 
-/// The blows of `--records` and what was noticed; none without them.
+/// The blows of `--records`, and notes on them; none without that option.
 pub(super) fn blows(
     linear: &Linear,
     args: &UpdateArgs,
@@ -43,7 +43,7 @@ pub(super) fn blows(
     Ok(Some((BlowTask { load, blows, held_out, modes }, notes)))
 }
 
-/// Kinds of motion with the endings of channels that measure them, in the order in which they are looked for.
+/// Kinds of motion with the endings of the names of channels that measure them, in the order in which they are tried.
 const KINDS: [(Kinematic, &str); 3] = [
     (Kinematic::Acceleration, "acceleration"),
     (Kinematic::Velocity, "velocity"),
@@ -63,7 +63,7 @@ fn blow(
             .map_err(|e| Failure::read(&place, &e))
     };
     let force = read(vec![load.to_owned()], None)?;
-    // Channels of all kinds, for their names alone.
+    // A first reading of all channels, of any quantity, gives their names.
     let names = read(Vec::new(), Some(iwan_io::Quantity::Unknown))?.names().to_vec();
     let asked = quantity.map(|quantity| match quantity {
         Motion::Acceleration => Kinematic::Acceleration,
@@ -78,7 +78,7 @@ fn blow(
         };
         outputs.iter().filter_map(channel).collect()
     };
-    // Channels that say what they measure first, then those that bear the name of an output alone.
+    // Channels whose names end with a kind of motion come first, then channels that have just the name of an output.
     let said = KINDS.iter().filter(|(kind, _)| asked.is_none_or(|asked| asked == *kind));
     let found = said.map(|(kind, ending)| (Some(*kind), called(Some(ending)))).find(|(_, c)| !c.is_empty());
     let (kind, channels) = found.unwrap_or_else(|| (asked, called(None)));

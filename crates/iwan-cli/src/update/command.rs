@@ -14,7 +14,7 @@ use crate::session::{PAGE, SUMMARY, Session};
 use crate::structures::Linear;
 use crate::structures::linear::{NAMED_MODES, load};
 
-/// The whole summary, with curves and the front; `summary.json` leaves the long lists out.
+/// File with the whole summary, curves and front of compromises included; `summary.json` leaves out these long lists.
 const WHOLE: &str = "update.json";
 /// The structure with the joints found.
 const UPDATED: &str = "updated.toml";
@@ -66,7 +66,7 @@ pub(crate) fn run(args: &UpdateArgs) -> Result<(), Failure> {
         &linear.file.changes(found.laws_of_joints(&task), found.factors_of_parts(&task)),
     ) {
         Ok(text) => session.file(UPDATED, text.as_bytes())?,
-        // The values stand in update.json.
+        // The values found stand in update.json; a note says why the structure file is missing.
         Err(error) => {
             session.spare(UPDATED);
             session.notes(&[format!("{} ({})", error.message, error.remedy)]);
@@ -78,7 +78,7 @@ pub(crate) fn run(args: &UpdateArgs) -> Result<(), Failure> {
     session.finish(&summary)
 }
 
-/// A failure in the user's terms: curves and names that do not fit are bad input.
+/// A failed update in the user's terms: curves and names that do not fit the structure are bad input.
 fn explained(linear: &Linear, error: &iwan_study::Error) -> Failure {
     use iwan_study::Error;
     match error {

@@ -1,4 +1,4 @@
-//! Curves of modes from files.
+//! Curves of modes, read from files.
 
 use iwan_machine::listed;
 use std::path::Path;
@@ -9,11 +9,11 @@ use serde_json::Value;
 
 use crate::failure::Failure;
 
-/// What helps where a file holds no curves.
+/// Remedy where a file holds no curves.
 const REMEDY: &str = "give fit.json of `iwan fit`, envelope.csv of `iwan envelope`, curves.csv of `iwan quasi-static`, or a table with the columns \
                       displacement, frequency and damping_ratio or dissipation";
 
-/// One curve as a file has it.
+/// One curve as it stands in a file.
 #[derive(Debug, Clone, Default)]
 struct Read {
     name: Option<String>,
@@ -23,7 +23,7 @@ struct Read {
     stiffness: Stiffness,
 }
 
-/// The curves of `MODE[,MODE...]=FILE`.
+/// Reads the curves of one option `MODE[,MODE...]=FILE`.
 pub(super) fn read(given: &str) -> Result<Vec<MeasuredCurve>, Failure> {
     let (names, file) = match given.split_once('=') {
         Some((names, file)) => (names.split(',').map(|name| name.trim().to_owned()).collect(), file),
@@ -56,7 +56,7 @@ pub(super) fn read(given: &str) -> Result<Vec<MeasuredCurve>, Failure> {
     named.collect()
 }
 
-/// The modes of a fit.json.
+/// Curves of the modes in a fit.json.
 fn of_json(path: &Path) -> Result<Vec<Read>, Failure> {
     let place = path.display().to_string();
     let refused = |what: &str| Failure::input(format!("{place}: {what}"), REMEDY);
@@ -83,7 +83,7 @@ fn of_json(path: &Path) -> Result<Vec<Read>, Failure> {
     modes.iter().map(one).collect()
 }
 
-/// The modes of a table, told apart by the column `mode` where there is one.
+/// Curves of the modes in a table, told apart by the column `mode` where there is one.
 fn of_table(path: &Path) -> Result<Vec<Read>, Failure> {
     let place = path.display().to_string();
     let table = iwan_io::read_table(path).map_err(|error| Failure::said(&place, &error))?;
@@ -96,7 +96,7 @@ fn of_table(path: &Path) -> Result<Vec<Read>, Failure> {
     let (damping, stiffness) = match (table.column("damping_ratio"), table.column("dissipation")) {
         (Some(ratio), _) => (ratio.to_vec(), Stiffness::FirstHarmonic),
         (None, Some(loss)) => {
-            // What `iwan quasi-static` writes has the modal joint force beside the secant frequency.
+            // A table of `iwan quasi-static` holds the modal joint force, and its frequency is that of the secant stiffness.
             let of_statics = table.column("joint_force").is_some();
             let stiffness = if of_statics { Stiffness::Secant } else { Stiffness::FirstHarmonic };
             (MeasuredCurve::damping_of(displacement, frequency, loss), stiffness)

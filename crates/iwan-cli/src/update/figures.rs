@@ -1,10 +1,10 @@
-//! Figures of an update: curves before and after, and the front of compromises.
+//! Figures of an update: curves before and after, and the front of compromises between frequency and damping.
 
 use iwan_study::update::{ComparedBlow, ComparedCurve, TradeOff};
 
 use crate::page::figure::{Axis, DEVIATIONS, Figure, Layer, Mark, colour};
 
-/// The band of a curve as a closed line; empty where nothing bounds it.
+/// The band of a curve as a closed line (lower and upper half width from `half`); empty where a half width is infinite at any point.
 fn band(q: &[f64], values: &[f64], half: impl Fn(usize) -> (f64, f64)) -> Vec<(f64, f64)> {
     if (0..q.len()).any(|i| !(half(i).0.is_finite() && half(i).1.is_finite())) {
         return Vec::new();
@@ -34,7 +34,7 @@ fn layers(
     layers
 }
 
-/// What the band says.
+/// A sentence on the meaning of the band.
 const fn open(band: &[(f64, f64)]) -> &'static str {
     if band.is_empty() {
         "There is no band: nothing bounds how far this may be off."
@@ -43,7 +43,7 @@ const fn open(band: &[(f64, f64)]) -> &'static str {
     }
 }
 
-/// Frequency and damping of a mode.
+/// Frequency and damping of a mode against amplitude.
 pub(super) fn figures(curve: &ComparedCurve) -> [Figure; 2] {
     let held = if curve.held_out { " The mode was kept out of the fit." } else { "" };
     let q = &curve.displacement;
@@ -87,7 +87,7 @@ pub(super) fn figures(curve: &ComparedCurve) -> [Figure; 2] {
     ]
 }
 
-/// Amplitude of a mode at a point against time.
+/// Amplitude of a mode at a point against time, measured and computed.
 pub(super) fn amplitudes(blow: &ComparedBlow) -> Figure {
     let points = |values: &[f64]| blow.time.iter().copied().zip(values.iter().copied()).collect();
     let name = if blow.held_out { "predicted" } else { "with the joints found" };
@@ -104,7 +104,7 @@ pub(super) fn amplitudes(blow: &ComparedBlow) -> Figure {
     }
 }
 
-/// What frequency and damping want of each other.
+/// The front of compromises: the misfit of damping against the misfit of frequency of the best joints at different weights.
 pub(super) fn front(front: &[TradeOff]) -> Figure {
     let points: Vec<(f64, f64)> = front.iter().map(|t| (t.frequency, t.damping)).collect();
     Figure {

@@ -1,4 +1,4 @@
-//! Which joints share a law, and which parts of the stiffness may be wrong.
+//! Which joints share a law, and which parts of the stiffness are corrected by a factor.
 
 use iwan_fem::Correction;
 use iwan_machine::listed;
@@ -8,7 +8,7 @@ use super::args::UpdateArgs;
 use crate::failure::Failure;
 use crate::structures::Linear;
 
-/// The groups by the user's word, or those that move alike in these modes.
+/// The groups of `--group`, else groups of joints that move alike in these modes.
 pub(super) fn groups(
     linear: &Linear,
     args: &UpdateArgs,
@@ -49,7 +49,7 @@ pub(super) fn groups(
     Ok((args.groups.iter().map(one).collect::<Result<_, _>>()?, kept))
 }
 
-/// The corrections by the user's word.
+/// The corrections of `--correct`.
 pub(super) fn corrections(
     linear: &Linear,
     args: &UpdateArgs,

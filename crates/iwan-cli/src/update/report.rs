@@ -9,8 +9,8 @@ use crate::failure::VERSION;
 use crate::page::html::{grid, page, verdict};
 use crate::page::numbers::{interval, long, short};
 
-/// What quasi-static curves of a reduced structure are off by themselves, in damping and in the shift of the frequency: differences of misfits
-/// below are rounding, and no front.
+/// Error of the quasi-static curves of a reduced structure, in damping and in the shift of the frequency: where all misfits are below this, their
+/// differences are rounding, and no front is shown.
 const OWN_ERROR: f64 = 1e-3;
 
 /// The page.
@@ -22,7 +22,7 @@ pub(super) fn render(summary: &UpdateSummary) -> String {
             "Joints of the structure from frequency and damping of its modes against amplitude, whose counterparts are curves of static loads, or from \
              blows, whose counterparts are transients of the structure. Written by iwan " (VERSION) "."
         }
-        // What the verdict finds wrong stands among the warnings already.
+        // A verdict against the model stands among the warnings already.
         @let is_told = !summary.warnings.contains(&summary.verdict.in_words);
         (verdict(&summary.warnings, &html! { @if is_told { span { (summary.verdict.in_words) "." } } }))
         h2 { "Joints" }
@@ -43,7 +43,7 @@ pub(super) fn render(summary: &UpdateSummary) -> String {
     page(&format!("{} \u{2013} iwan update", summary.structure), &body)
 }
 
-/// Blows beside the structure's.
+/// The section on blows, measured and computed.
 fn blows(all: &[ComparedBlow]) -> Markup {
     let percent = |share: f64| format!("{:.3}", 100.0 * share);
     html! { @if !all.is_empty() {
@@ -60,7 +60,7 @@ fn blows(all: &[ComparedBlow]) -> Markup {
     } }
 }
 
-/// The front where there is one to show.
+/// The front of compromises, where the misfits exceed [`OWN_ERROR`].
 fn compromises(all: &[TradeOff]) -> Markup {
     html! {
         @if all.iter().any(|t| t.frequency.max(t.damping) > OWN_ERROR) {

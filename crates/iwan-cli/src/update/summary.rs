@@ -1,4 +1,4 @@
-//! What an update says: `update.json`, `summary.json` and the table on the terminal.
+//! The summary of an update: `update.json`, `summary.json` and the table on the terminal.
 
 use std::fmt::Write;
 
@@ -12,7 +12,7 @@ use crate::page::numbers::{interval, long};
 use crate::session::Summary;
 use crate::structures::Linear;
 
-/// An estimate with the name of what it is that of.
+/// An estimate with the name of its quantity.
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct NamedEstimate {
     pub(crate) name: String,
@@ -20,7 +20,7 @@ pub(crate) struct NamedEstimate {
     pub(crate) estimate: Estimated,
 }
 
-/// A prediction with the mode and the file that it is held against.
+/// A prediction with the mode and the file with which it is compared.
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct NamedPrediction {
     pub(crate) mode: String,
@@ -30,7 +30,7 @@ pub(crate) struct NamedPrediction {
 }
 
 impl NamedPrediction {
-    /// How far it is off, and whether the band holds that.
+    /// How far the prediction is from the measurement, and whether the band covers the difference, in words.
     pub(crate) fn in_words(&self) -> String {
         let p = &self.prediction;
         let band = |inside: Option<f64>| {
@@ -52,7 +52,7 @@ impl NamedPrediction {
     }
 }
 
-/// The joints of a structure and what is known about them.
+/// The joints that were found, and what is known about them.
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct UpdateSummary {
     pub(crate) structure: String,
@@ -63,33 +63,33 @@ pub(crate) struct UpdateSummary {
     /// Viscous damping ratio of each measured mode.
     pub(crate) viscous: Vec<NamedEstimate>,
     pub(crate) verdict: StructureVerdict,
-    /// Linear corrections that would explain what is missed.
+    /// Corrections of the linear stiffness that would explain the misfit.
     pub(crate) corrections: Vec<LinearCorrection>,
-    /// Combinations of unknowns, the best told first.
+    /// Combinations of unknowns, those that the data determine best first.
     pub(crate) told: Vec<Told>,
-    /// Modes that would tell most, were they measured.
+    /// Modes whose measurement would add most information.
     pub(crate) next_modes: Vec<NextMode>,
-    /// That in words: also why no mode is named. Empty without curves.
+    /// The advice on what to measure next in words, also where no mode is named. Empty without curves.
     pub(crate) measure_next: String,
-    /// Predictions of curves that were kept out.
+    /// Predictions of the curves that were kept out of the fit.
     pub(crate) predictions: Vec<NamedPrediction>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) front: Option<Vec<TradeOff>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) curves: Option<Vec<ComparedCurve>>,
-    /// Blows beside the structure's, where there are any.
+    /// Measured blows beside those of the structure; none without blows.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) blows: Option<Vec<ComparedBlow>>,
     pub(crate) warnings: Vec<String>,
 }
 
-/// Names and values of a group's parameters.
+/// The parameters of a group of joints, with their names.
 pub(super) fn parameters(group: &JointUpdate) -> [(&'static str, Estimated); 4] {
     [("K_T", group.k_t), ("F_S", group.f_s), ("chi", group.chi), ("beta", group.beta)]
 }
 
 impl UpdateSummary {
-    /// Of what was found.
+    /// Makes the summary of an update.
     pub(super) fn new(linear: &Linear, found: &Update) -> Self {
         let named = |all: &[(String, Estimated)]| -> Vec<NamedEstimate> {
             all.iter()
@@ -151,7 +151,7 @@ impl UpdateSummary {
         }
     }
 
-    /// Without the long lists.
+    /// The summary without the long lists.
     pub(super) fn without_curves(&self) -> Self {
         Self { front: None, curves: None, blows: None, ..self.clone() }
     }

@@ -1,4 +1,4 @@
-//! The paper's beam with its discrete joints under blows of all levels: the truth that modal models are held against.
+//! The paper's beam with its discrete joints under blows of all levels: the truth with which modal models are compared.
 
 use iwan_core::Progress;
 use iwan_fem::StructureResponse;
@@ -14,22 +14,22 @@ use crate::error::Error;
 pub struct BeamUnderBlows {
     /// The beam and its modes.
     pub beam: PaperBeam,
-    /// Mean shape of each bending mode at the loaded edge.
+    /// Mean mass-normalised shape of each bending mode at the loaded edge.
     pub tip: Vec<f64>,
     /// One response for each of the [`LEVELS`](crate::blows::LEVELS); the outputs are the bending modes' coordinates.
     pub responses: Vec<StructureResponse>,
-    /// The blow of 1000 lbf without attachment vectors: an example of how not to reduce.
+    /// The response to the blow of 1000 lbf of a reduced model without attachment vectors, which shows the error that their omission makes.
     pub without_attachments: StructureResponse,
-    /// Ring-downs that start in one bending mode alone, with the velocity a blow of 100 lbf leaves in it.
+    /// Ring-downs that start in one bending mode alone, with the largest velocity that the mode has after a blow of 100 lbf.
     pub alone: Vec<StructureResponse>,
-    /// How far the reduced model is from the full one, at two levels.
+    /// Differences of the reduced model from the full one, at two levels.
     pub reduction: Vec<ReductionError>,
-    /// How well modal filters tell the modes of the reduced beam apart.
+    /// Rank and condition of modal filters for the modes of the reduced beam.
     pub filters: Vec<FilterQuality>,
 }
 
 impl BeamUnderBlows {
-    /// Computes a configuration; `progress` hears the share done and may break it off.
+    /// Computes a configuration; `progress` receives the share done and may stop the work.
     ///
     /// # Errors
     /// [`Error::Structure`], and [`Error::Interrupted`].
@@ -41,7 +41,7 @@ impl BeamUnderBlows {
         Ok(Self { beam, tip, responses: blows, without_attachments, alone, reduction, filters })
     }
 
-    /// Largest energy error of all blows, relative to the largest energy in play.
+    /// Largest error of the energy balance over all blows, relative to the largest energy in the response.
     #[must_use]
     pub fn energy_error(&self) -> f64 {
         self.responses.iter().map(|response| response.energy.error()).fold(0.0, f64::max)

@@ -1,4 +1,4 @@
-//! How well the modal filter of the paper's Eq. 18 tells the modes of the reduced beam apart.
+//! Quality of the modal filter of the paper's Eq. 18 on the modes of the reduced beam: how many modes it separates, and how much it amplifies noise.
 
 use iwan_fem::Reduced;
 use serde::Serialize;
@@ -8,19 +8,19 @@ use super::top_face::top_nodes;
 /// Rank and condition of a modal filter.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct FilterQuality {
-    /// Which displacements it takes, in words.
+    /// The displacements that the filter uses, in words.
     pub sensors: &'static str,
-    /// How many these are.
+    /// Number of these displacements.
     pub channels: usize,
-    /// Modes it is to tell apart: those in the basis of the reduced beam.
+    /// Number of modes to be separated: those in the basis of the reduced beam.
     pub modes: usize,
-    /// Modes it can tell apart.
+    /// Number of modes that the filter can separate.
     pub rank: usize,
-    /// Condition number of the mode shapes at the sensors: the factor by which noise may grow.
+    /// Condition number of the mode shapes at the sensors: the largest factor by which noise may be amplified.
     pub condition: f64,
 }
 
-/// With all displacements, and with those across the beam's top face alone.
+/// The quality of the filter with all displacements, and with those normal to the beam's top face alone.
 pub(super) fn filter_qualities(reduced: &Reduced<'_>) -> Result<Vec<FilterQuality>, iwan_fem::Error> {
     let (assembled, modes) = (reduced.assembled(), reduced.modes());
     let mesh = &assembled.structure().mesh;

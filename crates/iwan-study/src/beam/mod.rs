@@ -1,4 +1,4 @@
-//! The paper's beam with its discrete joints, and what blows make of it.
+//! The paper's beam with its discrete joints, and its responses to blows.
 
 mod paper_beam;
 mod top_face;

@@ -1,20 +1,20 @@
-//! The paper's beam in one configuration, with its modes.
+//! The paper's beam in one configuration, with its named modes.
 
 use iwan_fem::mesh::beam::Configuration;
 use iwan_fem::{NamedMode, NamedModes, Structure, paper};
 
 use crate::error::Error;
 
-/// Elastic modes among which the bending modes are looked up. Bending 3 is the third elastic mode, but counting further
-/// costs little and a change of the mesh may move torsion below it; the names of the first eight stand in the results.
+/// Number of elastic modes among which the bending modes are found by name. Bending 3 is the third elastic mode, but further modes cost little, and
+/// another mesh may place torsion below it; the names of the first eight modes stand in the results.
 const NAMED: usize = 40;
 
-/// The beam with its modes in both limits.
+/// The beam with its modes, all joints stuck and all slipping.
 #[derive(Debug)]
 pub struct PaperBeam {
-    /// What the paper leaves open, decided in one of two ways.
+    /// The configuration: one of two choices for what the paper leaves open.
     pub configuration: Configuration,
-    /// All elastic modes that were looked at.
+    /// All elastic modes that were computed.
     pub modes: NamedModes,
     /// Bending modes 1 to 3.
     pub bending: Vec<NamedMode>,
@@ -30,7 +30,7 @@ pub const fn letter(configuration: Configuration) -> &'static str {
 }
 
 impl PaperBeam {
-    /// The beam as the paper has it ([`paper::structure`] with 1,554 nodes).
+    /// The beam as the paper describes it ([`paper::structure`] with 1,554 nodes).
     ///
     /// # Errors
     /// [`Error::Structure`].
@@ -38,7 +38,7 @@ impl PaperBeam {
         Self::prepared(configuration, |_| ())
     }
 
-    /// The same with something added to the structure first, such as node sets for sensors.
+    /// The beam after `prepare` has changed the structure, for example by adding node sets for sensors.
     pub(crate) fn prepared(
         configuration: Configuration,
         prepare: impl FnOnce(&mut Structure),
@@ -51,7 +51,7 @@ impl PaperBeam {
         Ok(Self { configuration, modes, bending })
     }
 
-    /// What messages call it: `configuration A`.
+    /// Name in messages: `configuration A`.
     pub(crate) fn title(&self) -> String {
         title(self.configuration)
     }

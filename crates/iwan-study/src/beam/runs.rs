@@ -1,4 +1,4 @@
-//! The transients that one configuration of the beam is put through.
+//! The transients that are computed for one configuration of the beam.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -11,21 +11,21 @@ use super::paper_beam::PaperBeam;
 use crate::blows::{BLOW, DT, LEVELS, STEPS, blow};
 use crate::relative_difference::relative_difference;
 
-/// Modes of the reduced model, beside the attachment vectors of the slips: it then stays within 7e-5 of the full model in mode 1 and
-/// within 4e-4 in mode 3 under 1000 lbf (`reduction_error` of the results).
+/// Number of modes in the basis of the reduced model, beside the attachment vectors of the slips. The reduced model then stays within 7e-5 of the
+/// full one in mode 1 and within 4e-4 in mode 3 under 1000 lbf (`reduction_error` of the results).
 pub(crate) const BASIS: usize = 50;
-/// Level, by index: 100 lbf, the hardest blow that stays in micro-slip. The ring-downs in one mode alone begin at the
-/// velocity it leaves in that mode, so that they pass through the amplitudes of all quieter blows too.
+/// Index of the level 100 lbf, the hardest blow that stays in micro-slip. The ring-downs in one mode alone begin at the velocity that this blow
+/// leaves in the mode, so that they pass through the amplitudes of all softer blows, too.
 const ALONE: usize = 2;
-/// Level, by index, that shows what happens without attachment vectors: 1000 lbf, where the joints slip as a whole.
+/// Index of the level that shows the error without attachment vectors: 1000 lbf, at which the joints reach macro-slip.
 pub(crate) const WITHOUT_ATTACHMENTS: usize = 3;
-/// Levels, by index, at which the full model is integrated too: 10 lbf in micro-slip and 1000 lbf in macro-slip.
+/// Indices of the levels at which the full model is integrated, too: 10 lbf in micro-slip and 1000 lbf in macro-slip.
 const COMPARED: [usize; 2] = [1, 3];
-/// Steps of the full model: 20 ms, the blow and two and a half cycles of mode 1, in which the joints slip most. A step
-/// of the full model takes far longer than one of the reduced model, so that 0.2 s of it would be most of the whole study.
+/// Number of steps of the full model: 20 ms, that is the blow and two and a half cycles of mode 1, in which the joints slip most. A step of the full
+/// model takes far longer than one of the reduced model; 0.2 s of it would be most of the time of the whole study.
 pub(crate) const FULL: usize = 2000;
 
-/// How far the reduced model is from the full one over the first 20 ms.
+/// Difference of the reduced model from the full one over the first 20 ms.
 ///
 /// Serialised as a pair: the level, then one number for each bending mode.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -43,9 +43,9 @@ impl From<ReductionError> for (f64, Vec<f64>) {
     }
 }
 
-/// What comes of the runs.
+/// The results of the runs.
 pub(super) struct Responses {
-    /// Mean shape of each bending mode at the loaded edge.
+    /// Mean mass-normalised shape of each bending mode at the loaded edge.
     pub(super) tip: Vec<f64>,
     pub(super) blows: Vec<StructureResponse>,
     pub(super) without_attachments: StructureResponse,
@@ -54,7 +54,7 @@ pub(super) struct Responses {
     pub(super) filters: Vec<FilterQuality>,
 }
 
-/// What one configuration is put through.
+/// The runs of one configuration.
 pub(super) struct Runs<'a> {
     beam: &'a PaperBeam,
     load: Vec<f64>,
@@ -64,7 +64,7 @@ pub(super) struct Runs<'a> {
 }
 
 impl<'a> Runs<'a> {
-    /// `progress` hears the share done.
+    /// Prepares the runs; `progress` receives the share done.
     pub(super) fn new(beam: &'a PaperBeam, progress: Progress<'a>) -> Result<Self, iwan_fem::Error> {
         let (assembled, stuck) = (&beam.modes.assembled, &beam.modes.stuck);
         let output = |mode: &NamedMode| assembled.modal_output(&mode.name, stuck, mode.pair.stuck);
@@ -73,7 +73,7 @@ impl<'a> Runs<'a> {
         Ok(Self { beam, load, outputs, progress, done: AtomicUsize::new(0) })
     }
 
-    /// The blow of level `n`.
+    /// The transient under the blow of level `n`.
     fn blow(&self, n: usize, steps: usize) -> Transient<'static> {
         Transient {
             dt: DT,
@@ -86,7 +86,7 @@ impl<'a> Runs<'a> {
         }
     }
 
-    /// A run, which counts for the progress.
+    /// Computes one run and counts it for the progress.
     fn run(
         &self,
         integrate: impl FnOnce(Progress<'_>) -> Result<StructureResponse, iwan_fem::Error>,
@@ -128,7 +128,7 @@ impl<'a> Runs<'a> {
         })
     }
 
-    /// Starts in one mode with the largest velocity it had after a blow.
+    /// Computes a ring-down that starts in one mode, with the largest velocity that the mode had after a blow.
     fn ring_down(
         &self,
         reduced: &Reduced<'_>,
@@ -142,7 +142,7 @@ impl<'a> Runs<'a> {
         self.run(|report| reduced.transient_observed(&free, report))
     }
 
-    /// Differences from the full model under the blow of level `n`.
+    /// The difference of the reduced from the full model under the blow of level `n`.
     fn reduction(&self, n: usize, reduced: &StructureResponse) -> Result<ReductionError, iwan_fem::Error> {
         let assembled = &self.beam.modes.assembled;
         let full = self.run(|report| assembled.transient_observed(&self.blow(n, FULL), report))?;

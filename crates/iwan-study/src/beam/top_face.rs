@@ -1,8 +1,8 @@
-//! Nodes of the beam's top face, where sensors can sit.
+//! Nodes of the beam's top face, where sensors can be placed.
 
 use iwan_fem::mesh::Mesh;
 
-/// Nodes of the beam, without link and washers, that lie highest.
+/// The highest nodes of the beam itself, without link and washers.
 pub(crate) fn top_nodes(mesh: &Mesh) -> Vec<usize> {
     let nodes = beam_nodes(mesh);
     let height = |&n: &usize| mesh.positions[n][2];
@@ -10,7 +10,7 @@ pub(crate) fn top_nodes(mesh: &Mesh) -> Vec<usize> {
     nodes.into_iter().filter(|n| height(n) == top).collect()
 }
 
-/// Nodes of the beam, ascending.
+/// Nodes of the beam itself, ascending.
 fn beam_nodes(mesh: &Mesh) -> Vec<usize> {
     let elements = mesh.element_sets.get("beam").map_or(&[][..], Vec::as_slice);
     let mut nodes: Vec<usize> = elements.iter().flat_map(|&e| mesh.elements[e].nodes.clone()).collect();

@@ -1,4 +1,4 @@
-//! What the truth says about the modes and their modal models.
+//! Findings about the bending modes and their modal models.
 
 use iwan_core::FourParameter;
 use iwan_fem::mesh::beam::Configuration;
@@ -11,12 +11,12 @@ use crate::printed::TABLE_2;
 use crate::reproduction::Reproduction;
 use iwan_sim::numbers::short;
 
-/// The mode of this index in both configurations.
+/// The mode with this index in both configurations.
 fn per_configuration(found: &Reproduction, index: usize) -> impl Iterator<Item = &BendingMode> {
     found.modes().map(|studied| &studied.mode).filter(move |mode| mode.index == index)
 }
 
-/// K_T of mode 1 beside the printed one.
+/// K_T of mode 1, compared with the printed value.
 pub(super) fn joint_stiffness(found: &Reproduction) -> Finding {
     let printed = TABLE_2[0].k_t;
     let numbers: Vec<FindingNumber> = per_configuration(found, 0)
@@ -43,7 +43,7 @@ pub(super) fn joint_stiffness(found: &Reproduction) -> Finding {
     }
 }
 
-/// Mode 2 has no joint.
+/// The finding on mode 2, which has no joint: slipping does not soften it.
 pub(super) fn second_mode(found: &Reproduction) -> Finding {
     let numbers: Vec<FindingNumber> = per_configuration(found, 1)
         .map(|mode| number(format!("k_t_{}", letter(mode.configuration).to_lowercase()), mode.k_t))
@@ -66,18 +66,18 @@ pub(super) fn second_mode(found: &Reproduction) -> Finding {
     }
 }
 
-/// Modes with a joint, 1 and 3, with their slopes.
+/// Modes with a joint (1 and 3), each with the slopes of its dissipation.
 fn sloped(found: &Reproduction) -> impl Iterator<Item = (&BendingMode, &Slopes)> {
     let jointed = found.modes().map(|studied| &studied.mode).filter(|mode| mode.has_joint());
     jointed.filter_map(|mode| Some((mode, mode.slopes.as_ref()?)))
 }
 
-/// How names of numbers begin, such as `a_mode_1`.
+/// Beginning of the names of numbers for a mode, such as `a_mode_1`.
 fn named(mode: &BendingMode) -> String {
     format!("{}_mode_{}", letter(mode.configuration).to_lowercase(), mode.index + 1)
 }
 
-/// Slopes over displacement in micro-slip.
+/// Slopes of ln D over ln displacement in micro-slip.
 pub(super) fn slopes(found: &Reproduction, table_1: &FourParameter) -> Finding {
     let numbers: Vec<FindingNumber> =
         sloped(found).map(|(mode, s)| number(named(mode), s.over_displacement)).collect();
@@ -95,7 +95,7 @@ pub(super) fn slopes(found: &Reproduction, table_1: &FourParameter) -> Finding {
     }
 }
 
-/// χ over joint force.
+/// χ as read off the slope over joint force.
 pub(super) fn chi(found: &Reproduction, table_1: &FourParameter) -> Finding {
     let numbers: Vec<FindingNumber> = sloped(found).map(|(mode, s)| number(named(mode), s.chi)).collect();
     let first: Vec<String> = sloped(found)
@@ -117,7 +117,7 @@ pub(super) fn chi(found: &Reproduction, table_1: &FourParameter) -> Finding {
     }
 }
 
-/// Impact against a mode alone.
+/// Dissipation of a mode under an impact, compared with that of the mode alone.
 pub(super) fn coupling(found: &Reproduction) -> Finding {
     let mut numbers = Vec::new();
     let (mut words, mut alone) = (Vec::new(), Vec::new());
@@ -156,7 +156,7 @@ pub(super) fn coupling(found: &Reproduction) -> Finding {
     }
 }
 
-/// Modes that share the joint, beside modes by themselves.
+/// Modes that share the link's joint, compared with modes that have joints of their own.
 pub(super) fn remedy(found: &Reproduction) -> Finding {
     let (mut numbers, mut words) = (Vec::new(), Vec::new());
     for studied in &found.configurations {
@@ -198,7 +198,7 @@ pub(super) fn remedy(found: &Reproduction) -> Finding {
     }
 }
 
-/// How far β is open.
+/// How far the interval of β is open.
 pub(super) fn beta(found: &Reproduction) -> Finding {
     let mut numbers = Vec::new();
     let mut words = Vec::new();
@@ -230,7 +230,7 @@ pub(super) fn beta(found: &Reproduction) -> Finding {
     }
 }
 
-/// Distances of Figs. 8a and 8b.
+/// Differences between truth and modal model, as drawn in Figs. 8a and 8b.
 pub(super) fn figure_8(found: &Reproduction) -> Finding {
     let mut numbers = Vec::new();
     let mut words = Vec::new();

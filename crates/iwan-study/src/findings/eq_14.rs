@@ -1,4 +1,4 @@
-//! Equation 14 of the paper: the root β that it promises, sought on the truth's own curves.
+//! Equation 14 of the paper: the search, on the truth's own curves, for the root β that the paper promises.
 
 use iwan_core::{Backbone, FourParameter};
 use iwan_fem::mesh::beam::Configuration;
@@ -9,10 +9,11 @@ use crate::printed::TABLE_2;
 use crate::reproduction::Reproduction;
 use iwan_sim::numbers::short;
 
-/// Amplitude over φ_max at which a law's power of micro-slip is read. In micro-slip D/u^(χ+3) is the same at every amplitude.
+/// Amplitude, as a multiple of φ_max, at which the coefficient of a law in micro-slip is computed. In micro-slip D/u^(χ+3) is the same at every
+/// amplitude.
 const DEEP: f64 = 1e-3;
 
-/// The coefficient D/u^(χ+3) of micro-slip, to which C is proportional, at the printed β of mode 1 over that at β = 0, less 1.
+/// Relative change of the micro-slip coefficient D/u^(χ+3), to which C is proportional, from β = 0 to the printed β of mode 1.
 fn change_by_beta(mode: &BendingMode, f_s: f64, chi: f64) -> Option<f64> {
     let at = |beta: f64| {
         let law = FourParameter::new(mode.k_t, f_s, chi, beta).ok()?;
@@ -22,7 +23,7 @@ fn change_by_beta(mode: &BendingMode, f_s: f64, chi: f64) -> Option<f64> {
     Some(at(TABLE_2[0].beta)? / at(0.0)? - 1.0)
 }
 
-/// Eq. 14 on the truth's own curves.
+/// The finding on Eq. 14 with the truth's own curves; none where mode 1 of configuration A has no modal model.
 pub(super) fn eq_14(found: &Reproduction) -> Option<Finding> {
     let first =
         |studied: &&StudiedMode| studied.mode.configuration == Configuration::A && studied.mode.index == 0;

@@ -1,24 +1,24 @@
-//! A finding: a sentence about the paper with the numbers it rests on.
+//! A finding: a statement on the paper, with the numbers on which it rests.
 
 use serde::Serialize;
 
 use crate::modes::Interval;
 use iwan_sim::numbers::short;
 
-/// What a finding says about the paper.
+/// The verdict of a finding on the paper.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum FindingKind {
-    /// Ours agrees.
+    /// Our result agrees with the paper's.
     Reproduced,
     /// The formula as printed is wrong.
     Corrected,
-    /// It holds in part, or under conditions the paper does not name.
+    /// The paper's statement holds in part, or under conditions that the paper does not name.
     Limited,
 }
 
 impl FindingKind {
-    /// In a word.
+    /// The verdict as one word.
     #[must_use]
     pub const fn word(self) -> &'static str {
         match self {
@@ -34,13 +34,13 @@ impl FindingKind {
 pub struct Finding {
     /// Name, such as `eq-15`.
     pub id: &'static str,
-    /// What it says about the paper.
+    /// The verdict on the paper.
     pub kind: FindingKind,
-    /// In a line.
+    /// The finding in one line.
     pub title: &'static str,
-    /// In a few sentences.
+    /// The finding in a few sentences.
     pub text: String,
-    /// The numbers it rests on.
+    /// The numbers on which it rests.
     pub numbers: Vec<FindingNumber>,
 }
 
@@ -49,16 +49,16 @@ pub struct Finding {
 pub struct FindingNumber {
     /// Name, unique within the finding.
     pub name: String,
-    /// Value; none where there is none to be had, such as a root that does not exist.
+    /// Value; none where it does not exist, such as a root of an equation without one.
     pub value: Option<f64>,
 }
 
-/// A number that there is.
+/// A number of a finding that has a value.
 pub(super) fn number(name: impl Into<String>, value: f64) -> FindingNumber {
     FindingNumber { name: name.into(), value: Some(value) }
 }
 
-/// An interval in words.
+/// An interval as text, open ends included.
 ///
 /// ```
 /// use iwan_study::findings::bounds;

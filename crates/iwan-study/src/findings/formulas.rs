@@ -1,4 +1,4 @@
-//! Equations 8, 10, 11, 15 and 17 of the paper: as printed, and as they should be.
+//! Equations 8, 10, 11, 15 and 17 of the paper: as printed, and in their correct forms.
 
 use std::f64::consts::TAU;
 
@@ -12,14 +12,14 @@ use crate::printed::TABLE_2;
 use crate::reproduction::Reproduction;
 use iwan_sim::numbers::short;
 
-/// Amplitude at which Eq. 15 is checked, over φ_max: well inside micro-slip, where the equation is meant to hold, and large
-/// enough for the loop to have an area. It holds for any ratio below 1 alike.
+/// Amplitude, as a multiple of φ_max, at which Eq. 15 is checked: well inside micro-slip, for which the equation is meant, and large enough for the
+/// loop to have an area. Any ratio below 1 gives the same result.
 const HALFWAY: f64 = 0.5;
-/// Straight pieces in which the joint's loop is followed. They make the area wrong by 4e-7 of itself, far less than the factor
-/// F_S = 300 that is at issue.
+/// Number of straight pieces with which the joint's loop is followed. They make the area wrong by 4e-7 of itself, which is negligible beside the
+/// factor F_S = 300 by which the printed equation is wrong.
 const PIECES: usize = 4000;
 
-/// Work of one closed cycle of amplitude `u`, by following the joint's force around it.
+/// Energy dissipated in one closed cycle of amplitude `u`, by integrating the joint's force along the loop.
 fn loop_area(law: &FourParameter, u: f64) -> f64 {
     let turn = |n: usize| u * (TAU * n as f64 / PIECES as f64).cos();
     let start = (0..PIECES).map(|n| u * n as f64 / PIECES as f64);
@@ -32,7 +32,7 @@ fn loop_area(law: &FourParameter, u: f64) -> f64 {
     (PIECES + 1..force.len()).map(work).sum()
 }
 
-/// Micro-slip dissipation with the prefix F_S²/K_T over powers of r = u/φ_max.
+/// Dissipation in micro-slip, with the prefix F_S²/K_T and powers of r = u/φ_max.
 fn corrected_eq_15(law: &FourParameter, r: f64) -> f64 {
     let (chi, beta) = (law.chi(), law.beta());
     let c = (chi + 1.0) / (chi + 2.0);
@@ -40,7 +40,7 @@ fn corrected_eq_15(law: &FourParameter, r: f64) -> f64 {
     law.f_s() * law.f_s() / law.k_t() * shape * r.powf(chi + 3.0)
 }
 
-/// Eq. 15 against the area of a loop.
+/// The finding on Eq. 15: printed and correct form, compared with the area of a loop.
 pub(super) fn eq_15(table_1: &FourParameter) -> Finding {
     let area = loop_area(table_1, HALFWAY * table_1.phi_max());
     let correct = corrected_eq_15(table_1, HALFWAY);
@@ -66,7 +66,7 @@ pub(super) fn eq_15(table_1: &FourParameter) -> Finding {
     }
 }
 
-/// Eq. 17 against the exact form.
+/// The finding on Eq. 17, compared with the exact form.
 pub(super) fn eq_17(table_1: &FourParameter) -> Result<Finding, iwan_core::Error> {
     let laws = [("table_1", *table_1), ("mode_1", TABLE_2[0].law()?), ("mode_3", TABLE_2[2].law()?)];
     let mut numbers = Vec::new();
@@ -96,10 +96,10 @@ pub(super) fn eq_17(table_1: &FourParameter) -> Result<Finding, iwan_core::Error
     })
 }
 
-/// Level, by index, of the reading that shows the sign in Eq. 8: 10 lbf. Any other would show it too.
+/// Index of the level (10 lbf) whose reading shows the wrong sign in Eq. 8; any other level shows it too.
 const EXAMPLE: usize = 1;
 
-/// Signs and arguments in Eqs. 8, 10 and 11, with the first reading of mode 1 as an example.
+/// The finding on signs and arguments in Eqs. 8, 10 and 11, with the first reading of mode 1 as an example.
 pub(super) fn eqs_8_to_11(found: &Reproduction) -> Option<Finding> {
     let mode = &found.modes().next()?.mode;
     let reading = mode.readings.get(EXAMPLE)?.first()?;
@@ -135,7 +135,7 @@ pub(super) fn eqs_8_to_11(found: &Reproduction) -> Option<Finding> {
 mod tests {
     use super::*;
 
-    /// The closed form in 40-digit arithmetic (mpmath) at half of φ_max for Table 1 of the paper.
+    /// The reference value is the closed form in 40-digit arithmetic (mpmath), at half of φ_max for Table 1 of the paper.
     #[test]
     fn eq_15_is_the_area_of_a_loop() -> Result<(), iwan_core::Error> {
         let law = FourParameter::new(2.75e5, 300.0, -0.3, 0.02)?;

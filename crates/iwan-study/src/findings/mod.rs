@@ -1,4 +1,4 @@
-//! What reproduces, what does not and why: each finding with its numbers, computed.
+//! What is reproduced, what is not, and why: each finding with its computed numbers.
 
 mod finding;
 mod formulas;
@@ -11,10 +11,10 @@ use crate::reproduction::Reproduction;
 
 pub use finding::{Finding, FindingKind, FindingNumber, bounds};
 
-/// All findings, those about formulas first.
+/// All findings; those about formulas come first.
 ///
 /// # Errors
-/// [`Error::Law`] and [`Error::Structure`] for joints of the paper that are none: never in fact.
+/// [`Error::Law`] and [`Error::Structure`] for invalid joints in the paper's tables: this does not happen.
 pub fn findings(found: &Reproduction) -> Result<Vec<Finding>, Error> {
     let table_1 = iwan_fem::paper::joint().map_err(Error::structure("Table 1"))?;
     let mut findings =

@@ -1,9 +1,9 @@
-//! What the laboratory says about the viscous term.
+//! The finding of the laboratory on the viscous term.
 
 use super::finding::{Finding, FindingKind, number};
 use crate::laboratory::{HITS, Laboratory, Table4Row};
 
-/// Slopes against level, with and without the viscous term.
+/// Slopes of the dissipation at each level, with and without the viscous term.
 pub(super) fn table_4(laboratory: &Laboratory) -> Finding {
     let lab = laboratory.summary();
     let shown = |slope: fn(&Table4Row) -> Option<f64>| {

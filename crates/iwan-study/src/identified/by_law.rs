@@ -1,4 +1,4 @@
-//! Modes of other laws than one Iwan joint, and modes by their curves, as a comparison of laws finds them.
+//! Modes with other laws than one Iwan joint, and modes by their curves, as a comparison of laws finds them.
 
 use iwan_core::{Error, Motion};
 use iwan_ident::laws::{Backbone, Joint, LawMode};
@@ -26,8 +26,8 @@ pub fn mode_of_law(name: &str, law: &LawMode, displacement: f64) -> Mode {
     }
 }
 
-/// A mode by smooth curves, released from rest at a displacement, or at the largest amplitude of the curves where that is smaller. A
-/// damping below zero, as noise may leave it at the quiet end, counts as none.
+/// A mode by smooth curves, released from rest at a displacement, or at the largest amplitude of the curves where that is smaller. A damping ratio
+/// below zero, which noise may leave at small amplitudes, is set to zero.
 ///
 /// # Errors
 /// As [`Curves::new`].
@@ -38,5 +38,5 @@ pub fn mode_of_curves(name: &str, backbone: &Backbone, displacement: f64) -> Res
     Ok(Mode { initial: Motion::held_at(displacement.min(largest)), ..Mode::by_curves(name, curves) })
 }
 
-/// Largest damping ratio of curves: they need one below 1.
+/// Largest damping ratio of curves: [`Curves`] accepts only ratios below 1, and larger ones are set to this.
 const MOST_DAMPING: f64 = 0.99;

@@ -7,12 +7,12 @@ use iwan_sim::{Method, Settings, SimulationError, simulate};
 
 use super::ring_down::{between, released, time_step};
 
-/// The record of a mode that was identified, and the mode in its band.
+/// The record of a mode that was identified, and the band-passed mode.
 #[derive(Debug, Clone, Copy)]
 pub struct RecordOfMode<'a> {
     /// The record as the identification took it.
     pub source: ModeRecord<'a>,
-    /// The mode taken out of it.
+    /// The mode isolated from the record.
     pub isolated: &'a Isolated,
     /// Time of the first sample on the record's own clock, s.
     pub start: f64,
@@ -25,16 +25,16 @@ pub struct Comparison {
     pub start: f64,
     /// Sampling interval, s.
     pub dt: f64,
-    /// Samples of the record.
+    /// Samples of the record, in its unit.
     pub record: Vec<f64>,
-    /// The model at the same times.
+    /// Samples of the model at the same times.
     pub model: Vec<f64>,
-    /// Whether the record was compared as it is, or in the band of the mode.
+    /// Whether the raw record was compared, rather than the record in the band of the mode.
     pub unfiltered: bool,
 }
 
 impl Comparison {
-    /// Record `n` of an identification.
+    /// Compares record `n` of an identification with the model.
     pub(super) fn new(
         name: &str,
         record: &RecordOfMode<'_>,
@@ -43,7 +43,7 @@ impl Comparison {
     ) -> Result<Self, SimulationError> {
         let (first, release) = (found.first_samples[n], found.refined.starts[n]);
         let (displacement, late) = (release.displacement, release.time);
-        // Records with other modes in them are compared in the band, behind the filter's transient.
+        // A record that contains other modes is compared in the band, after the filter's transient.
         let (isolated, source) = (record.isolated, &record.source);
         let window = &isolated.window;
         let unfiltered = first < window.start;
@@ -51,11 +51,11 @@ impl Comparison {
         let dt = source.dt;
         let step = time_step(dt, found.parameters.frequency);
         let mode = released(name, &release.of_day(&found.parameters), displacement)?;
-        // Two samples more than are compared: the cubic between samples looks ahead.
+        // The response is computed for two samples more than are compared, because the cubic between samples needs later ones.
         let duration = (window.end - first) as f64 * dt - late + 2.0 * dt;
         let settings = Settings { method: Method::HalfCycle, ..Settings::new(step, duration) };
         let response = simulate(&mode, &Pulse::None, &settings)?;
-        // The turning point may lie a little behind the first sample.
+        // The turning point, at which the model is released, may lie a little after the first sample.
         let skip = (late / dt).ceil().max(0.0) as usize;
         let compared = first + skip..window.end;
         let at = |i: usize| between(&response, source.quantity, (i - first) as f64 * dt - late);
@@ -68,13 +68,13 @@ impl Comparison {
         })
     }
 
-    /// Record less model.
+    /// The record minus the model, sample by sample.
     #[must_use]
     pub fn residual(&self) -> Vec<f64> {
         self.record.iter().zip(&self.model).map(|(x, m)| x - m).collect()
     }
 
-    /// Root mean square of the residual over that of the record.
+    /// Root mean square of the residual over the root mean square of the record.
     #[must_use]
     pub fn relative(&self) -> f64 {
         let square = |v: &[f64]| v.iter().map(|x| x * x).sum::<f64>();

@@ -9,23 +9,23 @@ use super::comparison::{Comparison, RecordOfMode};
 use super::ring_down::released;
 use crate::error::Error;
 
-/// A mode with everything that was found about it.
+/// A mode with all results of its identification.
 #[derive(Debug, Clone)]
 pub struct IdentifiedMode {
     /// Name.
     pub name: String,
     /// Parameters, intervals, verdict.
     pub found: Identification,
-    /// Curves of each record on the axis asked for.
+    /// Curves of each record, on the chosen axis of force.
     pub curves: Vec<Curves>,
-    /// Densities of any form: for both curves, and for dissipation alone.
+    /// Free-form densities of slider strengths: fitted to frequency and dissipation together, and to dissipation alone.
     pub densities: Vec<FreeForm>,
-    /// Record and model, one for each record.
+    /// Record and model at the same times, one comparison per record.
     pub comparisons: Vec<Comparison>,
 }
 
 impl IdentifiedMode {
-    /// What `iwan_ident::identify` found in these records, in their order.
+    /// Adds curves, densities and comparisons to what `iwan_ident::identify` found in these records, given in the same order.
     ///
     /// # Errors
     /// [`Error::Identification`] for the axis, [`Error::Simulation`] where the model cannot ring down.
@@ -61,7 +61,7 @@ impl IdentifiedMode {
         let on_axis = |c: &Curves| c.clone().on_axis(axis);
         let curves = found.curves.iter().map(on_axis).collect::<Result<Vec<_>, _>>();
         let curves = curves.map_err(Error::identification(name))?;
-        // A record that no density explains is told so by its misfit; one that gives no density at all has none.
+        // A density that does not explain the record says so by its misfit; where none can be computed, it is missing from the list.
         let evidence = [Evidence::Both, Evidence::Dissipation];
         let densities = evidence.into_iter().filter_map(|e| density(&found.curves, e).ok()).collect();
         let one = |(n, record): (usize, &RecordOfMode<'_>)| Comparison::new(name, record, &found, n);
@@ -70,7 +70,7 @@ impl IdentifiedMode {
         Ok(Self { name: name.to_owned(), found, curves, densities, comparisons })
     }
 
-    /// Index of the record in which the mode is loudest.
+    /// Index of the record with the largest initial amplitude of the mode.
     #[must_use]
     pub fn loudest(&self) -> usize {
         let starts = &self.found.refined.starts;
@@ -78,13 +78,13 @@ impl IdentifiedMode {
         (0..starts.len()).max_by(|&i, &j| size(i).total_cmp(&size(j))).unwrap_or(0)
     }
 
-    /// The mode as it rings down from where a record begins.
+    /// The mode, released with the amplitude at which a record begins.
     ///
     /// # Errors
-    /// [`iwan_core::Error::OutOfRange`] for parameters that are none of a joint.
+    /// [`iwan_core::Error::OutOfRange`] where the parameters make no joint.
     ///
     /// # Panics
-    /// For a record that there is not.
+    /// Where there is no record of this index.
     pub fn mode(&self, record: usize) -> Result<Mode, iwan_core::Error> {
         released(&self.name, &self.found.parameters, self.found.refined.starts[record].displacement)
     }

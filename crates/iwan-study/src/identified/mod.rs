@@ -1,4 +1,4 @@
-//! A mode that was identified from records, and its ring-downs beside them.
+//! A mode that was identified from records, and the comparison of its ring-downs with them.
 
 mod ring_down;
 mod by_law;

@@ -1,16 +1,17 @@
-//! The ring-down of an identified mode, to be set beside a record.
+//! The ring-down of an identified mode, to be compared with a record.
 
 use iwan_core::FourParameter;
 use iwan_ident::Parameters;
 use iwan_ident::curves::Quantity;
 use iwan_sim::{JointLaw, Mode, Response};
 
-/// Samples in a cycle of ring-downs beside records. The half-cycle map that makes them has no error from their step; straight
-/// lines between the samples of a drawing miss 1 - cos(π/100) = 5e-4 of the amplitude, less than a line is wide, and the cubic that
-/// reads them at a record's times misses 4e-7.
+/// Samples per cycle of ring-downs that are compared with records. The half-cycle map that computes them has no error from the step. Straight lines
+/// between the samples of a drawing miss 1 - cos(π/100) = 5e-4 of the amplitude, less than the width of a line, and the cubic that interpolates at a
+/// record's times misses 4e-7.
 const PER_CYCLE: f64 = 100.0;
 
-/// The time step of ring-downs beside a record: a whole part of its sampling interval, a hundredth of a cycle at most.
+/// The time step (s) of a ring-down beside a record sampled every `dt` (s): the sampling interval divided by a whole number, at most a hundredth of a
+/// cycle.
 ///
 /// ```
 /// let step = iwan_study::identified::time_step(1e-3, 80.0);
@@ -21,7 +22,7 @@ pub fn time_step(dt: f64, frequency: f64) -> f64 {
     dt / (PER_CYCLE * frequency * dt).ceil().max(1.0)
 }
 
-/// A mode of these parameters, released from rest at a displacement.
+/// A mode with these parameters, released from rest at a displacement.
 pub(super) fn released(name: &str, p: &Parameters, displacement: f64) -> Result<Mode, iwan_core::Error> {
     let joint = FourParameter::new(p.k_t, p.f_s, p.chi, p.beta)?;
     Ok(Mode {
@@ -31,7 +32,7 @@ pub(super) fn released(name: &str, p: &Parameters, displacement: f64) -> Result<
     })
 }
 
-/// A response at a time between its samples, by the cubic through four of them (Lagrange's polynomial at -1, 0, 1, 2).
+/// A response at the time `t` (s) between its samples, by the cubic through four samples (Lagrange's polynomial at -1, 0, 1, 2).
 pub(super) fn between(response: &Response, quantity: Quantity, t: f64) -> f64 {
     let y = match quantity {
         Quantity::Displacement => &response.displacement,

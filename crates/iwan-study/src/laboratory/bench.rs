@@ -1,4 +1,4 @@
-//! The beam on the bench: where its sensors sit, and what they measure.
+//! The beam in the synthetic laboratory: where its sensors are, and what they measure.
 
 use iwan_core::Pulse;
 use iwan_fem::mesh::Mesh;
@@ -16,25 +16,25 @@ const NEWTON: f64 = 4.448_221_615_260_5;
 const METRE: f64 = 0.0254;
 /// One lbf s²/in in kg.
 const KILOGRAM: f64 = NEWTON / METRE;
-/// The configuration that is measured: its first mode, 122.5 to 127.1 Hz, lies in the middle of the paper's band of 120 to 135 Hz.
-/// That of configuration A begins at 132.4 Hz, near the edge, where the filter weakens it.
+/// The configuration that is measured. Its first mode, at 122.5 to 127.1 Hz, lies in the middle of the paper's band of 120 to 135 Hz; that of
+/// configuration A begins at 132.4 Hz, near the edge, where the filter would weaken it.
 pub(super) const MEASURED: Configuration = Configuration::B;
-/// Peak forces of the hammer, N: the paper's is 155 to 160. A tenth and a third of it tell the slope over a decade of force.
+/// Peak forces of the hammer, N. The paper's is 155 to 160 N; a tenth and a third of it show the slope of the dissipation over a decade of force.
 pub const HITS: [f64; 3] = [15.0, 50.0, 157.5];
-/// Samples a second: 200 in a cycle of mode 1.
+/// Sampling rate, Hz: 200 samples per cycle of mode 1.
 pub(super) const RATE: f64 = 25_600.0;
 /// Length of a record, s: 250 cycles of mode 1.
 pub(super) const SECONDS: f64 = 2.0;
 /// Root mean square of a sensor's noise, m/s²: 3e-4 of the largest acceleration under the softest hit.
 pub(super) const NOISE: f64 = 0.05;
-/// What the suspension takes from every elastic mode, as a viscous damping ratio: the 0.025 % that the paper's Table 3 has for
-/// the first mode with the link bolted on and no bungees.
+/// Damping of every elastic mode by the suspension, as a viscous damping ratio: the 0.025 % that the paper's Table 3 gives for the first mode with
+/// the link bolted on and no bungees.
 pub(super) const SUSPENSION: f64 = 2.5e-4;
-/// Set of nodes at which the hammer hits.
+/// Name of the node set that the hammer hits.
 pub(super) const HAMMER: &str = "tip";
-/// Sensors along each edge of the beam: every third mesh line.
+/// Number of sensors along each edge of the beam: one at every third mesh line.
 const STATIONS: usize = 27;
-/// How many sensors there are.
+/// Number of sensors on both edges.
 pub(super) const SENSORS: usize = 2 * STATIONS;
 
 /// The beam with its sensors.
@@ -46,7 +46,7 @@ pub(super) struct Bench {
     pub(super) shapes: Vec<Vec<f64>>,
 }
 
-/// What the sensors and, last, one at the hammer would measure under a hit without noise, m/s².
+/// Accelerations without noise (m/s²) that the sensors and, last, one at the hammer would measure under a hit.
 pub(super) struct Clean(Vec<Vec<f64>>);
 
 impl Bench {
@@ -65,7 +65,7 @@ impl Bench {
         Ok(Self { beam, sensors, shapes })
     }
 
-    /// The motions that a hit of a peak `force` in N makes.
+    /// Computes the motions of the sensors under a hit with the peak `force` in N.
     pub(super) fn hit(&self, force: f64) -> Result<Clean, Error> {
         let place = format!("laboratory, hit of {force} N");
         let motions = self.respond(force).map_err(Error::structure(&place))?;
@@ -93,8 +93,8 @@ impl Bench {
 }
 
 impl Clean {
-    /// What is measured of them, one record for each sensor and, last, for that at the hammer, with `before` samples ahead of the hit and
-    /// the noise of a seed.
+    /// The measured records, one for each sensor and, last, one for the hammer's point: `before` samples of rest ahead of the hit, and noise from the
+    /// given seed.
     pub(super) fn measured(&self, seed: u64, before: usize) -> Vec<Vec<f64>> {
         let mut noise = Noise::new(seed);
         let mut noisy = |motion: &Vec<f64>| {
@@ -105,12 +105,12 @@ impl Clean {
     }
 }
 
-/// A sensor looks at the motion normal to the beam.
+/// The output of a sensor, which measures the motion normal to the beam.
 fn output(beam: &PaperBeam, sensor: &str) -> Result<Output, iwan_fem::Error> {
     beam.modes.assembled.output(sensor, sensor, [0.0, 0.0, 1.0])
 }
 
-/// Adds a node set for each sensor on the beam's top face; returns their names.
+/// Adds a node set for each sensor on the beam's top face, and returns the names of the sets.
 fn place(mesh: &mut Mesh) -> Vec<String> {
     let top = top_nodes(mesh);
     let edge = top.iter().map(|&n| mesh.positions[n][1]).fold(f64::NEG_INFINITY, f64::max);

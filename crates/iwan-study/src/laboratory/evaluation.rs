@@ -1,4 +1,4 @@
-//! All hits together: what they say about joints and suspension.
+//! The evaluation of all hits together: joints and suspension.
 
 use iwan_core::Progress;
 use iwan_ident::Parameters;
@@ -18,57 +18,57 @@ use crate::error::Error;
 use crate::printed::TABLE_3_WITH_LINK;
 use crate::progress::Tally;
 
-/// Frequency and damping of a mode by the modal test of the softest hits (Table 3).
+/// Frequency and damping of a mode: the truth, and what the modal test of the softest hits finds (Table 3).
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Table3Row {
-    /// Such as `bending 1`.
+    /// Name of the mode, such as `bending 1`.
     pub mode: String,
-    /// Of the truth at small amplitude, Hz.
+    /// Frequency of the truth at small amplitude, Hz.
     pub frequency: f64,
-    /// What the suspension takes.
+    /// Damping ratio that the suspension gives the mode.
     pub damping_ratio: f64,
-    /// By the test, Hz.
+    /// Frequency by the test, Hz.
     pub frequency_found: f64,
-    /// Its standard deviation, Hz.
+    /// Standard deviation of that frequency, Hz.
     pub frequency_sd: f64,
-    /// By the test: of suspension and joints.
+    /// Damping ratio by the test, of suspension and joints together.
     pub damping_ratio_found: f64,
-    /// Its standard deviation.
+    /// Standard deviation of that damping ratio.
     pub damping_ratio_sd: f64,
-    /// Modal assurance criterion of the shape against the true one.
+    /// Modal assurance criterion between the found and the true shape.
     pub mac: f64,
-    /// Scale of the mass-normalised shape over the true one, less 1.
+    /// Scale of the found mass-normalised shape over that of the true one, minus 1.
     pub scale_error: f64,
-    /// Factor by which the begin of the decay scales the shape more than all of it; none where the mode is linear.
+    /// Ratio of the shape's scale by the beginning of the decay to that by the whole decay; none where the mode is linear.
     pub stretch: Option<f64>,
-    /// Damping ratios as printed for the link at 50 in-lbf without bungees, and at 5 in-lbf with them.
+    /// Damping ratios as the paper prints them: for the link with bolts at 50 in-lbf and no bungees, and with bolts at 5 in-lbf and bungees.
     pub printed_damping_ratios: [f64; 2],
 }
 
-/// What was measured and found.
+/// The synthetic measurements and their evaluation.
 #[derive(Debug)]
 pub struct Laboratory {
     /// The modal test of the softest hits.
     pub test: ModalTest,
-    /// The bending modes as they are and as the test has them.
+    /// The bending modes: the truth beside the test's results.
     pub table_3: Vec<Table3Row>,
     /// The hits, the softest first.
     pub hits: Vec<Hit>,
-    /// Slopes of dissipation over force.
+    /// Slopes of dissipation over force, level by level.
     pub table_4: Vec<Table4Row>,
-    /// From hit to hit at equal times: this tells the viscous term.
+    /// Comparison of neighbouring levels at equal times after the hit, from which the viscous term is determined.
     pub levels: Levels,
-    /// One joint with a damper in parallel for all hits.
+    /// The fit of one joint with a viscous damper in parallel to all hits.
     pub fit: Fit,
-    /// Of bending modes 1 to 3 at the sensors.
+    /// The modal filter of bending modes 1 to 3 at the sensors.
     pub filter: ModalFilter,
 }
 
 impl Laboratory {
-    /// Measures and takes apart on up to `threads` threads: the same bits whatever their number.
+    /// Measures and evaluates on up to `threads` threads; the results have the same bits whatever their number.
     ///
     /// # Errors
-    /// [`Error::Structure`], [`Error::Identification`], and [`Error::Interrupted`] when the observer broke off.
+    /// [`Error::Structure`], [`Error::Identification`], and [`Error::Interrupted`] where the observer stopped the work.
     pub fn new(threads: usize, observer: Progress<'_>) -> Result<Self, Error> {
         let tally = Tally::new(observer, 1 + HITS.len());
         let bench = Bench::new()?;
@@ -96,7 +96,7 @@ impl Laboratory {
         })
     }
 
-    /// The viscous term as the hits tell it.
+    /// The viscous term as the comparison of hits determines it.
     #[must_use]
     pub fn viscous(&self) -> ViscousTerm {
         viscous(&self.levels, &self.fit)
@@ -124,8 +124,8 @@ fn table_3_row(bench: &Bench, test: &ModalTest, n: usize) -> Table3Row {
     }
 }
 
-/// One joint with a viscous damper in parallel for all hits, nothing held. The search begins where Sec. 2.5 leads, and at other
-/// χ and K_T, since curves in micro-slip leave K_T open.
+/// Fits one joint with a viscous damper in parallel to all hits, with no parameter held. The search begins at the values of Sec. 2.5 and at other
+/// values of χ and K_T, because curves in micro-slip do not determine K_T.
 fn joint_fit(curves: &[Curves]) -> Result<Fit, iwan_ident::Error> {
     let loudest = curves.last().ok_or(iwan_ident::Error::Length { name: "hits", needed: 1, found: 0 })?;
     let mut first = start(loudest)?.parameters;

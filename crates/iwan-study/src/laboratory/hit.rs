@@ -1,4 +1,4 @@
-//! One hit of the hammer taken apart: band-pass, scaling, average, envelope, curves (Sec. 4.4).
+//! The evaluation of one hit: band-pass, scaling, average, envelope, curves (Sec. 4.4).
 
 use std::f64::consts::TAU;
 
@@ -11,26 +11,26 @@ use crate::error::Error;
 use crate::printed::BAND;
 use crate::span::Span;
 
-/// Order of the band-pass, and degree of the polynomials in the envelope: 3, as for the quiet records of the beam.
+/// Order of the band-pass filter, and degree of the polynomials in the envelope: 3, as for the beam's records in micro-slip.
 const ORDER: usize = 3;
-/// Stretch that is looked at, s. The filter's slowest pole, π times half the band of 15 Hz, decays with 24 in a second: 0.35 s from
-/// the blow, and from the end that the backward pass begins at, 3e-4 of what they stirred up is left.
+/// Part of the record that is evaluated, s. The filter's slowest pole decays at the rate π times half the band of 15 Hz, 24 1/s. After 0.35 s, from
+/// the blow and, for the backward pass, from the end of the record, 3e-4 of the filter's transients is left.
 const WINDOW: Span = Span { from: 0.35, to: 1.65 };
-/// Sensors whose band-passed records are drawn: the first, the middle and the last of one edge, and the last of the other.
+/// Indices of the sensors whose band-passed records are drawn: the first, the middle and the last of one edge, and the last of the other.
 const DRAWN: [usize; 4] = [0, 14, 26, 53];
 
-/// One hit: the average of all sensors, and what was read off it.
+/// One hit: the average of all sensors, and the curves evaluated from it.
 #[derive(Debug, Clone)]
 pub struct Hit {
     /// Peak force of the hammer, N.
     pub force: f64,
-    /// Band-passed and scaled records of a few sensors.
+    /// Band-passed and scaled records of the sensors to be drawn.
     pub drawn: Vec<DrawnSensor>,
-    /// Their average over all sensors, with each one's misfit.
+    /// Average of the scaled records over all sensors, with the misfit of each sensor.
     pub average: Average,
-    /// Amplitude, frequency and damping of the average.
+    /// Amplitude, frequency and damping of the average against time.
     pub envelope: Envelope,
-    /// Curves over modal force.
+    /// Curves of the average over modal force.
     pub curves: Curves,
     /// Largest acceleration of any sensor, m/s².
     pub peak: f64,
@@ -38,26 +38,26 @@ pub struct Hit {
     pub dt: f64,
 }
 
-/// What one sensor says about the mode.
+/// The mode's motion as one sensor measures it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DrawnSensor {
-    /// Such as `point 1`.
+    /// Name, such as `point 1`.
     pub name: String,
-    /// Its band-passed record over the mode's shape there, √kg·m/s².
+    /// Band-passed record of the sensor divided by the mode's shape value there, √kg·m/s².
     pub samples: Vec<f64>,
 }
 
 /// A viscous damper in parallel with a mode's joint.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ViscousTerm {
-    /// ζ_v.
+    /// Viscous damping ratio ζ_v.
     pub damping_ratio: f64,
-    /// ω0/2π, Hz.
+    /// Frequency ω0/2π, Hz.
     pub frequency: f64,
 }
 
 impl ViscousTerm {
-    /// Energy lost in a cycle, 2π ζ_v ω0 ω q², at an amplitude of displacement `q` and a frequency in Hz.
+    /// Energy that the damper dissipates per cycle, 2π ζ_v ω0 ω q², for the displacement amplitude `q` and the frequency ω/2π in Hz.
     ///
     /// ```
     /// use iwan_study::laboratory::ViscousTerm;
@@ -72,7 +72,7 @@ impl ViscousTerm {
 }
 
 impl Hit {
-    /// Hit `n` of a bench, over the `shape` that a modal test gave the mode at the sensors.
+    /// Evaluates hit `n` of a bench with the mode's `shape` at the sensors from the modal test.
     pub(super) fn new(bench: &Bench, shape: &[f64], n: usize) -> Result<Self, Error> {
         let place = format!("laboratory, hit of {} N", HITS[n]);
         let mut channels = bench.hit(HITS[n])?.measured(n as u64, 0);
@@ -93,7 +93,8 @@ impl Hit {
         let filtered = filtered?;
         let slices: Vec<&[f64]> = filtered.iter().map(Vec::as_slice).collect();
         let average = scaled_average(&slices, shape)?;
-        // Filter and average change places freely: the envelope's own band-pass knows how far its ends reach.
+        // Filter and average commute. The average of the raw records is therefore taken, whose envelope applies the band-pass itself and knows how
+        // far its transients reach.
         let raw: Vec<&[f64]> = channels.iter().map(Vec::as_slice).collect();
         let raw = scaled_average(&raw, shape)?.samples;
         let options = Options {
@@ -113,7 +114,7 @@ impl Hit {
         Ok(Self { force, drawn: DRAWN.iter().map(scaled).collect(), average, envelope, curves, peak, dt })
     }
 
-    /// What the dissipation is without a viscous term.
+    /// The dissipation per cycle without that of the viscous term.
     #[must_use]
     pub fn without(&self, viscous: ViscousTerm) -> Vec<f64> {
         let c = &self.curves;

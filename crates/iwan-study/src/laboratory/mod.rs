@@ -1,7 +1,8 @@
-//! The laboratory's side (the paper's Sec. 4): hits on the truth, a linear modal test of the softest of them, and mode 1 taken out of each as the paper does.
+//! The synthetic laboratory (the paper's Sec. 4): hits on the truth model, a linear modal test of the softest hits, and mode 1 isolated from each hit
+//! as the paper does it.
 //!
-//! SI units. The truth is configuration B, whose first mode lies in the paper's band. Sensors at 54 points of the top face,
-//! a hammer with one more at the tip, white sensor noise, and a suspension that takes what a viscous modal damper takes.
+//! All quantities are in SI units. The truth is configuration B, whose first mode lies in the paper's band. There are sensors at 54 points of the top
+//! face, a hammer with one more sensor at the tip, white sensor noise, and a suspension that acts as viscous modal damping.
 
 mod noise;
 mod bench;

@@ -1,5 +1,5 @@
-//! The linear modal test before everything else: hits of the softest level, frequency responses, modes by mode isolation (M. S. Allen,
-//! J. H. Ginsberg, Mech. Syst. Signal Process. 20:900, 2006; the paper's ref. 19), and from them the shapes at the sensors.
+//! The linear modal test that comes first: hits of the softest level, frequency responses, modes by mode isolation (M. S. Allen, J. H. Ginsberg,
+//! Mech. Syst. Signal Process. 20:900, 2006; the paper's ref. 19), and with them the shapes at the sensors.
 
 use iwan_core::Pulse;
 use iwan_modal::measure::{Channel, Freedom, Hit, Motion};
@@ -13,47 +13,47 @@ use crate::blows::BLOW;
 use crate::error::Error;
 use crate::span::Span;
 
-/// Hits of the softest level that are averaged.
+/// Number of hits of the softest level that are averaged.
 const AVERAGED: u64 = 5;
-/// Their noise has other seeds than that of the hits that are taken apart.
+/// First seed of the noise in these hits, different from the seeds of the hits that are evaluated one by one.
 const SEEDS: u64 = 100;
-/// Samples before the hit.
+/// Samples recorded before the hit.
 const BEFORE: usize = 64;
-/// Root mean square of the hammer's noise over the peak of its force.
+/// Root mean square of the hammer's noise over its peak force.
 const HAMMER_NOISE: f64 = 1e-4;
-/// Band of the test, Hz: bending modes 1 to 3 with what lies between them.
+/// Band of the test, Hz: it holds bending modes 1 to 3 and the modes between them.
 const BAND: Span = Span { from: 60.0, to: 900.0 };
-/// Order of the polynomials, which mode isolation does not use.
+/// Order of a stabilisation chart, which mode isolation does not use.
 const NO_CHART: usize = 2;
 
-/// Frequency responses of the softest hits and the modes that they show.
+/// Frequency responses of the softest hits, and the modes identified from them.
 #[derive(Debug)]
 pub struct ModalTest {
     /// Peak force of the hits, N.
     pub force: f64,
-    /// Responses of all sensors and of one at the hammer, m/s² per N.
+    /// Responses of all sensors and of one at the hammer's point, m/s² per N.
     pub responses: FrequencyResponses,
     /// All modes in the band.
     pub fit: ModalFit,
-    /// Bending modes 1 to 3 among them.
+    /// Bending modes 1 to 3 as the test finds them.
     pub bending: Vec<FoundMode>,
 }
 
-/// A bending mode as the test found it, beside the true one.
+/// A bending mode as the test finds it, compared with the true one.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FoundMode {
-    /// As the test has it.
+    /// The mode found by the test.
     pub mode: Mode,
     /// Real mass-normalised shape at the sensors, kg^-½, with the sign of the true one.
     pub shape: Vec<f64>,
-    /// Modal assurance criterion against the true shape.
+    /// Modal assurance criterion with the true shape.
     pub mac: f64,
-    /// Scale of the shape over the true one, by least squares, less 1.
+    /// Scale of the shape over the true one, by least squares, minus 1.
     pub scale_error: f64,
 }
 
 impl ModalTest {
-    /// Hits the beam of a bench and finds its modes.
+    /// Computes hits on the beam of a bench and identifies its modes.
     pub(super) fn new(bench: &Bench) -> Result<Self, Error> {
         Self::of_hits(&hits(bench)?, bench).map_err(Error::modal("laboratory, modal test"))
     }
@@ -76,7 +76,7 @@ impl ModalTest {
 }
 
 impl FoundMode {
-    /// Of all modes the one whose shape is most like the `truth`.
+    /// The mode whose shape is most similar to the `truth`.
     fn nearest(modes: &[Mode], truth: &[f64]) -> Option<Self> {
         let complex: Vec<Complex<f64>> = truth.iter().map(|x| Complex::new(*x, 0.0)).collect();
         let like = |mode: &&Mode| mac(&mode.shape, &complex);
@@ -88,7 +88,7 @@ impl FoundMode {
     }
 }
 
-/// The hits of the test, with what the hammer measures of itself.
+/// The hits of the test, with the force as the hammer measures it.
 fn hits(bench: &Bench) -> Result<Vec<Hit>, Error> {
     let clean = bench.hit(HITS[0])?;
     let pulse = Pulse::Haversine { amplitude: HITS[0], duration: BLOW };

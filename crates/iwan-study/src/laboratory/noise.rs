@@ -1,9 +1,9 @@
-//! Sensor noise that is the same every time and everywhere.
+//! Sensor noise that is the same at every run and on every machine.
 
 use iwan_core::SplitMix64;
 
-/// A stream of normal random numbers by the polar method (G. Marsaglia, T. A. Bray, SIAM Review 6:260, 1964), which makes two of
-/// them from each point that falls into the unit circle.
+/// A stream of normal random numbers by the polar method (G. Marsaglia, T. A. Bray, SIAM Review 6:260, 1964), which makes two numbers from each point
+/// that falls into the unit circle.
 #[derive(Debug, Clone)]
 pub(super) struct Noise {
     numbers: SplitMix64,
@@ -11,7 +11,7 @@ pub(super) struct Noise {
 }
 
 impl Noise {
-    /// The stream of a seed.
+    /// The stream that belongs to a seed.
     pub(super) const fn new(seed: u64) -> Self {
         Self { numbers: SplitMix64::new(seed), spare: None }
     }

@@ -1,4 +1,4 @@
-//! The laboratory in numbers, as `reproduce.json` holds them.
+//! The results of the laboratory as numbers, as `reproduce.json` holds them.
 
 use serde::Serialize;
 
@@ -10,14 +10,14 @@ use crate::beam::letter;
 use crate::printed::BAND;
 use crate::span::Span;
 
-/// What was measured with, and what was found.
+/// The settings of the measurements, and the results.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct LaboratorySummary {
     /// The beam's configuration.
     pub configuration: &'static str,
     /// Number of sensors.
     pub sensors: usize,
-    /// Samples a second.
+    /// Sampling rate, Hz.
     pub sampling_rate: f64,
     /// Length of a record, s.
     pub seconds: f64,
@@ -27,29 +27,29 @@ pub struct LaboratorySummary {
     pub band: Span,
     /// Rank of the modal filter of bending modes 1 to 3 at the sensors.
     pub filter_rank: usize,
-    /// Its condition number.
+    /// Condition number of that filter.
     pub filter_condition: f64,
     /// One entry for each hit.
     pub hits: Vec<HitSummary>,
-    /// What the suspension was made to take.
+    /// Viscous damping ratio that the suspension was given.
     pub damping_ratio_given: f64,
-    /// What comparing hits at equal times finds of it.
+    /// The same damping ratio as found by comparing hits at equal times.
     pub damping_ratio_found: f64,
-    /// Power of the joints' dissipation over force by the same comparison.
+    /// Exponent of the joints' dissipation over force, by the same comparison.
     pub slope_found: f64,
-    /// How far the dissipation leaves that power: root mean square of ln D.
+    /// Deviation of the joints' dissipation from that power law: root mean square of ln D.
     pub slope_misfit: f64,
-    /// ζ_v of one joint with a damper in parallel, fitted to all curves.
+    /// ζ_v of the fit of one joint with a damper in parallel to all curves.
     pub damping_ratio_fitted: f64,
-    /// Its ω0/2π, Hz.
+    /// Frequency ω0/2π of that fit, Hz.
     pub frequency_fitted: f64,
-    /// Its χ.
+    /// χ of that fit.
     pub chi_fitted: f64,
-    /// How far it follows the curves, in words.
+    /// How well that fit follows the curves, in words.
     pub misfit: String,
-    /// What the slope from hit to hit changes by.
+    /// Range, largest minus smallest, of the slopes from hit to hit at equal times.
     pub drift: f64,
-    /// The same without the viscous term.
+    /// The same range without the viscous term.
     pub drift_without_viscous: f64,
 }
 
@@ -62,15 +62,15 @@ pub struct HitSummary {
     pub peak_acceleration: f64,
     /// Largest misfit of a sensor to the average, relative.
     pub largest_misfit: f64,
-    /// How many sensors have a misfit above a quarter.
+    /// Number of sensors with a misfit above a quarter.
     pub outliers: usize,
-    /// Stretch in which the envelope can be trusted, s.
+    /// Part of the record in which the envelope can be trusted, s.
     pub trusted: Span,
-    /// Frequency at the beginning and the end of it, Hz.
+    /// Frequency at the beginning and the end of that part, Hz.
     pub frequency: Span,
-    /// Damping ratio there.
+    /// Damping ratio at the beginning and the end of that part.
     pub damping_ratio: Span,
-    /// Modal force there, √kg·m/s².
+    /// Modal force at the beginning and the end of that part, √kg·m/s².
     pub modal_force: Span,
 }
 
@@ -90,7 +90,7 @@ impl HitSummary {
 }
 
 impl Laboratory {
-    /// In numbers.
+    /// The summary of the laboratory's results.
     #[must_use]
     pub fn summary(&self) -> LaboratorySummary {
         let drift = |slope: fn(&Table4Row) -> Option<f64>| {

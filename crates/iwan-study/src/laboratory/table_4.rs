@@ -14,22 +14,22 @@ use crate::span::Span;
 pub struct Table4Row {
     /// Peak force of the hit, N.
     pub hit: f64,
-    /// Modal forces at the beginning and the end of the record, √kg·m/s²: between them the slope was taken.
+    /// Modal forces at the beginning and the end of the record, √kg·m/s², between which the slope is taken.
     pub force: Span,
     /// Slope of the dissipation as measured.
     pub slope: f64,
-    /// Slope of what is left when the viscous term is taken off.
+    /// Slope of the dissipation without that of the viscous term.
     pub slope_without_viscous: f64,
-    /// From the softer hit to this one at equal times; none for the softest.
+    /// Slope from the softer hit to this one, at equal times; none for the softest.
     pub step: Option<f64>,
-    /// The same without the viscous term.
+    /// The same slope without the viscous term.
     pub step_without_viscous: Option<f64>,
-    /// Slope as printed for this level over the hardest; none where the paper has no such level.
+    /// The printed slope at this ratio to the hardest level; none where the paper has no such level.
     pub printed: Option<f64>,
 }
 
 impl Table4Row {
-    /// Of a hit; none where a line cannot be laid.
+    /// The row of a hit; none where no line can be fitted.
     pub(super) fn new(hit: &Hit, viscous: ViscousTerm, step: Option<LevelStep>) -> Option<Self> {
         let slope = |dissipation: &[f64]| {
             let points = hit.curves.force.iter().zip(dissipation).filter(|(_, d)| **d > 0.0);

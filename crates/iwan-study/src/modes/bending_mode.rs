@@ -1,5 +1,5 @@
-//! What the truth says about one bending mode: curves from impacts, curves from static loads, how far the modes couple, and
-//! the parameters read off as in the paper's Sec. 2.5.
+//! The results of the truth model for one bending mode: curves from impacts, curves from static loads, the coupling with other modes, and the
+//! parameters read off as in the paper's Sec. 2.5.
 
 use std::f64::consts::TAU;
 
@@ -20,35 +20,35 @@ use crate::error::Error;
 pub struct BendingMode {
     /// The beam's configuration.
     pub configuration: Configuration,
-    /// 0 for bending 1.
+    /// Index of the bending mode, 0 for bending 1.
     pub index: usize,
-    /// Such as `bending 1`.
+    /// Name, such as `bending 1`.
     pub name: String,
     /// Frequency with all joints stuck, ω0/2π in Hz.
     pub stuck: f64,
     /// Frequency with all joints slipping, ω∞/2π in Hz.
     pub slipping: f64,
-    /// How alike the stuck and the slipping shape are (modal assurance criterion).
+    /// Modal assurance criterion between the stuck and the slipping shape.
     pub mac: f64,
     /// K_T = ω0² - ω∞², 1/s².
     pub k_t: f64,
-    /// Shape at the loaded edge.
+    /// Mass-normalised shape at the loaded edge.
     pub tip: f64,
     /// Curves over modal force, one for each of the [`LEVELS`].
     pub curves: Vec<Curves>,
-    /// By level: the mode early, in the middle and late in the record.
+    /// Readings at each level, early, in the middle and late in the record.
     pub readings: Vec<Vec<Reading>>,
     /// Curves from static loads.
     pub static_curves: ModalCurves,
-    /// The same at the displacements at which an independent program has them too; mode 1 only.
+    /// Static curves at the displacements for which an independent program has computed them, too; mode 1 only.
     pub checked: ModalCurves,
     /// An Iwan joint fitted to the static curves; none for a mode without a joint.
     pub static_fit: Option<StaticFit>,
-    /// By level up to 1000 lbf: how much more the mode loses than alone.
+    /// Dissipation under an impact over that of the mode alone, for each level up to 1000 lbf.
     pub coupling: Vec<Coupling>,
-    /// The same for a ring-down in this mode alone: the static curves are what it follows.
+    /// The same ratio for a ring-down in this mode alone, which should follow the static curves.
     pub alone: Option<Coupling>,
-    /// Straight lines through the dissipation in micro-slip.
+    /// Straight lines fitted to the dissipation in micro-slip.
     pub slopes: Option<Slopes>,
 }
 
@@ -93,13 +93,13 @@ impl BendingMode {
         })
     }
 
-    /// Whether joints soften the mode at all.
+    /// Whether slipping joints soften the mode.
     #[must_use]
     pub fn has_joint(&self) -> bool {
         self.k_t > 0.0
     }
 
-    /// The axis of modal joint force; the modal force for a mode without joint.
+    /// The axis of modal joint force; the axis of modal force for a mode without joint.
     #[must_use]
     pub fn axis(&self) -> ForceAxis {
         if self.has_joint() {
@@ -109,7 +109,7 @@ impl BendingMode {
         }
     }
 
-    /// Factor by which the mode loses more under an impact than alone, mean over micro-slip; 1 for a mode without joint.
+    /// Factor by which the mode dissipates more under an impact than alone, averaged over the levels in micro-slip; 1 for a mode without joint.
     #[must_use]
     pub fn coupled(&self) -> f64 {
         let quiet = self.coupling.iter().filter(|c| c.level <= MICRO_SLIP);
@@ -117,7 +117,7 @@ impl BendingMode {
         if count > 0.0 { sum / count } else { 1.0 }
     }
 
-    /// Tries Eq. 14 with a slip force.
+    /// Solves Eq. 14 for β with a given slip force.
     pub(super) fn try_eq_14(&mut self, f_s: f64) {
         let omega_squared = (TAU * self.stuck).powi(2);
         let mode = Stiffnesses { k_t: self.k_t, omega_squared, coupled: self.coupled() };

@@ -1,4 +1,4 @@
-//! The modal Iwan counterpart of a bending mode: fitted, simulated, compared with the truth (Table 2 and Fig. 8).
+//! The modal Iwan model (counterpart) of a bending mode: fitted, simulated, and compared with the truth (Table 2 and Fig. 8).
 
 use iwan_core::FourParameter;
 use iwan_ident::curve_fit::fit_from;
@@ -18,43 +18,43 @@ use crate::error::Error;
 use crate::printed::TABLE_2;
 use crate::relative_difference::relative_difference;
 
-/// Levels up to this force, lbf, make up the fit: above it, modes of higher frequency keep the joints slipping and a mode's
-/// curves have more than one value at an amplitude.
+/// Levels up to this force, lbf, are fitted. Above it, modes of higher frequency keep the joints slipping, and the curves of a mode have more than
+/// one value at an amplitude.
 pub const FITTED: f64 = 1000.0;
-/// Levels, by index, whose records are compared with the model for the intervals: 100 and 1000 lbf, micro-slip and the way
-/// into macro-slip.
+/// Indices of the levels whose records are compared with the model for the intervals: 100 lbf, in micro-slip, and 1000 lbf, which leads into
+/// macro-slip.
 const RECORDS: [usize; 2] = [2, 3];
-/// Degree of the polynomials in the envelopes behind the intervals: between that of curves in micro-slip (3) and in macro-slip
-/// (5), because the two records are followed alike.
+/// Degree of the polynomials in the envelopes for the intervals: between that of curves in micro-slip (3) and in macro-slip (5), because both records
+/// are evaluated alike.
 const ORDER: usize = 4;
-/// Levels, by index, of Figs. 8a and 8b: 10 and 1000 lbf.
+/// Indices of the levels of Figs. 8a and 8b: 10 and 1000 lbf.
 pub const SHOWN: [usize; 2] = [1, 3];
-/// End of the stretch in which Fig. 8 is drawn cycle by cycle and judged apart from the whole record, s: six cycles of mode 1,
-/// in which a blow of 1000 lbf keeps it in macro-slip.
+/// End of the early part of the record, s, which Fig. 8 draws cycle by cycle and which is also judged apart: six cycles of mode 1, in which a blow of
+/// 1000 lbf keeps it in macro-slip.
 pub const EARLY: f64 = 0.05;
-/// Parameters known from the structure's modes.
+/// Parameters that are held, because the structure's modes give them.
 const KNOWN: [Parameter; 3] = [Parameter::Frequency, Parameter::DampingRatio, Parameter::KT];
 
 /// The modal Iwan model of a mode.
 #[derive(Debug, Clone)]
 pub struct Counterpart {
-    /// Fitted on the curves, with ω0 and K_T of the structure's modes.
+    /// Parameters fitted to the curves, with ω0 and K_T of the structure's modes.
     pub parameters: Parameters,
     /// Whether the fit follows the curves.
     pub adequate: bool,
-    /// How far it follows them, in words.
+    /// How well the fit follows the curves, in words.
     pub misfit: String,
     /// 95 % intervals of F_S, χ and β from the records themselves.
     pub intervals: Vec<Interval>,
-    /// By level.
+    /// Difference from the truth at each level.
     pub errors: Vec<Distance>,
-    /// The same with F_S, χ and β as the paper prints them.
+    /// Difference from the truth at each level with F_S, χ and β as the paper prints them.
     pub errors_printed: Vec<Distance>,
     /// Modal accelerations at the levels [`SHOWN`].
     pub shown: Vec<Vec<f64>>,
 }
 
-/// What the records tell about a parameter.
+/// The interval of a parameter by the records.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Interval {
     /// Name of the parameter, such as `f_s`.
@@ -69,19 +69,19 @@ pub struct Interval {
     pub identifiable: bool,
 }
 
-/// Root mean square of the difference of accelerations over that of the truth's.
+/// Difference of the model's accelerations from the truth: root mean square of the difference over that of the truth.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Distance {
     /// Peak force of the blow, lbf.
     pub level: f64,
-    /// Over 0 to 50 ms.
+    /// Difference over 0 to 50 ms.
     pub early: f64,
-    /// Over 0 to 200 ms.
+    /// Difference over 0 to 200 ms.
     pub whole: f64,
 }
 
 impl Counterpart {
-    /// Of a mode with a joint.
+    /// Fits and simulates the modal model of a mode with a joint.
     ///
     /// # Errors
     /// [`Error::Identification`] where the fit fails, [`Error::Simulation`] where the model cannot be simulated.
@@ -109,14 +109,14 @@ impl Counterpart {
     /// The joint's law.
     ///
     /// # Errors
-    /// [`iwan_core::Error::OutOfRange`] for parameters that are none of a joint.
+    /// [`iwan_core::Error::OutOfRange`] where the parameters make no joint.
     pub fn law(&self) -> Result<FourParameter, iwan_core::Error> {
         let p = &self.parameters;
         FourParameter::new(p.k_t, p.f_s, p.chi, p.beta)
     }
 }
 
-/// Where the search begins: F_S a little under the plateau of the static joint force, and a grid over χ and β.
+/// Start values of the search: F_S a little below the plateau of the static joint force, and a grid over χ and β.
 fn starts(mode: &BendingMode) -> Vec<Parameters> {
     let plateau = mode.static_curves.joint_force.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
     let mut starts = Vec::new();
@@ -129,7 +129,7 @@ fn starts(mode: &BendingMode) -> Vec<Parameters> {
     starts
 }
 
-/// Simulation in the loop on the records themselves, with what the modes tell given.
+/// Intervals by simulation in the loop on the records themselves, with the parameters held that the structure's modes give.
 fn intervals(truth: &BeamUnderBlows, mode: &BendingMode) -> Result<Vec<Interval>, iwan_ident::Error> {
     let records = RECORDS.map(|n| ModeRecord {
         samples: &truth.responses[n].outputs[mode.index].acceleration,

@@ -1,5 +1,5 @@
-//! The remedy for modes that couple: linear modes with their joints stuck that share the link's joint. Frequencies, slips and compliance are those
-//! of the structure, the law is that of Table 1, and nothing is fitted.
+//! A model in place of modes that couple: linear modes with their joints stuck, which share the link's joint. Frequencies, slips and compliance are
+//! those of the structure, the law is that of Table 1, and nothing is fitted.
 
 use iwan_core::FourParameter;
 use iwan_core::progress::UNWATCHED;
@@ -14,14 +14,14 @@ use crate::beam::BeamUnderBlows;
 use crate::blows::{DT, LEVELS, STEPS, blow};
 use crate::error::Error;
 
-/// A bending mode of the coupled model beside the truth.
+/// A bending mode of the coupled model, compared with the truth.
 #[derive(Debug, Clone)]
 pub struct CoupledMode {
-    /// By level.
+    /// Difference from the truth at each level.
     pub errors: Vec<Distance>,
     /// Modal accelerations at the levels [`SHOWN`].
     pub shown: Vec<Vec<f64>>,
-    /// By level: the mode early, in the middle and late.
+    /// Readings at each level, early, in the middle and late in the record.
     pub readings: Vec<Vec<Reading>>,
 }
 
@@ -35,7 +35,7 @@ pub struct CoupledModel {
 }
 
 impl CoupledModel {
-    /// Of a configuration under all blows; none where its joints make no model of three modes that can be stepped.
+    /// Computes the coupled model of a configuration under all blows; none where its joints make no model of three modes that can be integrated.
     ///
     /// # Errors
     /// [`Error::Structure`] where statics fail, [`Error::Identification`] where a response cannot be read.
@@ -57,7 +57,7 @@ impl CoupledModel {
             .collect();
         let accelerations = match accelerations(&modes, &joint) {
             Ok(accelerations) => accelerations,
-            // Too few modes for the compliance: no step would have one solution.
+            // With too few modes for the compliance, a time step would not have one unique solution.
             Err(SimulationError::Joint { .. } | SimulationError::Parameter(_)) => return Ok(None),
             Err(error) => return Err(Error::simulation(&place)(error)),
         };
@@ -75,7 +75,8 @@ impl CoupledModel {
     }
 }
 
-/// The slips that matter as one joint, where all move alike as the link's two ends do: so many times the law, and the mean slip.
+/// Combines slips that all move alike, as those at the link's two ends do, into one joint: the law times the number of slips, and the mean slip; none
+/// where the slips do not move alike.
 fn link(statics: &SlipStatics, law: &FourParameter) -> Option<SharedJoint> {
     let all: Vec<usize> = (0..statics.participation.len()).collect();
     let (groups, _) = statics.groups(&all, &|_, _| true);

@@ -1,4 +1,4 @@
-//! Curves and single readings of the record that a blow leaves in one mode.
+//! Curves and single readings from the record that a blow leaves in one mode.
 
 use std::f64::consts::TAU;
 
@@ -9,19 +9,19 @@ use serde::Serialize;
 
 use crate::blows::{DT, STEPS};
 
-/// Seconds cut off at either end of a record: the blow with its transients, and the end of the transform. Without that the
+/// Time cut off at either end of a record, s: the blow with its transients, and the end effect of the Hilbert transform. Without the cut, the
 /// dissipation of mode 1 is wrong by 19 % at 10 lbf and by 109 % at 1 lbf.
 const TRIM: f64 = 0.02;
-/// Degree of the polynomials in an envelope of a record in micro-slip. Degrees of 3 to 5 agree within 0.6 % of the dissipation; from
-/// 9 on polynomials run away at the ends.
+/// Degree of the polynomials in the envelope of a record in micro-slip. Degrees of 3 to 5 agree within 0.6 % of the dissipation; from 9 on the
+/// polynomials diverge at the ends.
 const QUIET: usize = 3;
-/// Degree where the joints slip as a whole and curves bend more: the highest of those that agree in micro-slip.
+/// Degree where the joints reach macro-slip and the curves bend more: the highest of those that agree in micro-slip.
 const HARD: usize = 5;
-/// Times at which amplitude, frequency and dissipation are read by demodulation, s: early, in the middle, late. The window
-/// is six cycles long, 45 ms of mode 1; the first and the last time are as near to the record's ends as it can go.
+/// Times at which amplitude, frequency and dissipation are read by demodulation, s: early, in the middle, late. The demodulation window is six cycles
+/// long, 45 ms of mode 1; the first and the last time are as near to the record's ends as the window allows.
 const TIMES: [f64; 3] = [0.03, 0.1, 0.17];
 
-/// The mode at one time of a record.
+/// Amplitude, frequency and dissipation of the mode at one time of a record.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Reading {
     /// Time, s.
@@ -30,26 +30,27 @@ pub struct Reading {
     pub displacement: f64,
     /// Frequency, Hz.
     pub frequency: f64,
-    /// Energy lost in a cycle, lbf·in.
+    /// Energy dissipated per cycle, lbf·in.
     pub dissipation: f64,
 }
 
-/// How a mode near a frequency is followed in a record: the modal filter has left one mode, so that nothing is filtered.
+/// Options with which a mode near the frequency `near` (Hz) is followed in a record. The modal filter has left one mode only, so that no band-pass is
+/// applied.
 pub(super) fn options(near: f64, order: usize) -> Options {
     let window = Some((TRIM, STEPS as f64 * DT - TRIM));
     Options { near: Some(near), filter_order: 0, window, order: Some(order), ..Options::default() }
 }
 
-/// Curves over modal force of a record in micro-slip or beyond.
+/// Curves over modal force, from a record in micro-slip or beyond.
 pub(super) fn impact_curves(samples: &[f64], near: f64, micro_slip: bool) -> Result<Curves, Error> {
     let options = options(near, if micro_slip { QUIET } else { HARD });
     Curves::new(&envelope(samples, DT, Method::Hilbert, &options)?, Quantity::Acceleration, ForceAxis::Modal)
 }
 
-/// The mode near a frequency at the [`TIMES`].
+/// Readings of the mode near a frequency at the [`TIMES`].
 pub(super) fn readings(samples: &[f64], near: f64) -> Result<Vec<Reading>, Error> {
     let one = |&t: &f64| {
-        // Once more where the frequency was found: far from it a window weakens the amplitude.
+        // The reading is repeated at the frequency found, because the window weakens the amplitude of a mode far from its centre.
         let first = spot(samples, DT, near, t)?;
         let found = spot(samples, DT, first.frequency, t)?;
         let omega = TAU * found.frequency;
@@ -64,7 +65,7 @@ pub(super) fn readings(samples: &[f64], near: f64) -> Result<Vec<Reading>, Error
 mod tests {
     use super::*;
 
-    /// A linear mode of 130 Hz with 0.1 % of damping: D = 2π ζ ω0 ω q², whatever reads it.
+    /// For a linear mode of 130 Hz with 0.1 % of damping, both methods must give D = 2π ζ ω0 ω q².
     #[test]
     fn curves_and_readings_of_a_linear_decay_are_its_own() {
         let (omega, zeta) = (TAU * 130.0, 1e-3_f64);

@@ -1,4 +1,4 @@
-//! What the records of the blows say about each bending mode, and the modal Iwan model that comes of it.
+//! Evaluation of the blows' records for each bending mode, and the modal Iwan model derived from it.
 
 mod impact_curves;
 mod static_loads;

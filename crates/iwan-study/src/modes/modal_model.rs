@@ -1,4 +1,4 @@
-//! The modal Iwan model of a mode under the blows.
+//! The modal Iwan model of a mode, under the blows.
 
 use iwan_core::FourParameter;
 use iwan_ident::Parameters;

@@ -1,4 +1,4 @@
-//! Straight lines through the logarithms of dissipation in micro-slip, and what the paper's Sec. 2.5 reads off them.
+//! Straight lines fitted to the logarithm of the dissipation in micro-slip, and the parameters that the paper's Sec. 2.5 reads off them.
 
 use iwan_ident::curve_fit::beta_root;
 use iwan_ident::curves::{Curves, ForceAxis, straight_line};
@@ -7,42 +7,42 @@ use serde::Serialize;
 use super::static_loads::MICRO_SLIP;
 use crate::blows::LEVELS;
 
-/// Straight lines through ln D over micro-slip, and what they give for χ and β.
+/// Straight lines through ln D in micro-slip, and the values of χ and β from them.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Slopes {
-    /// Slope over ln q.
+    /// Slope of ln D over ln q.
     pub over_displacement: f64,
-    /// Slope over ln of the modal joint force (ω² - ω∞²) q.
+    /// Slope of ln D over the logarithm of the modal joint force (ω² - ω∞²) q.
     pub over_joint_force: f64,
     /// Intercept ln C of that line.
     pub intercept_joint_force: f64,
-    /// Slope over ln of the modal force ω² q.
+    /// Slope of ln D over the logarithm of the modal force ω² q.
     pub over_modal_force: f64,
     /// Intercept ln C of that line.
     pub intercept_modal_force: f64,
-    /// χ = slope over joint force - 3: the paper's abscissa.
+    /// χ = slope over joint force - 3; the joint force is the paper's abscissa.
     pub chi: f64,
-    /// What Eq. 14 gives with each F_S on each axis that was tried.
+    /// The roots of Eq. 14 with each F_S on each axis that was tried.
     pub roots: Vec<Eq14Root>,
 }
 
-/// Which force stands on the abscissa of the line whose intercept enters Eq. 14, and with it K_x, the stiffness that turns a
-/// displacement into that force.
+/// Which force is the abscissa of the line whose intercept enters Eq. 14. The choice also fixes K_x, the stiffness that turns a displacement into
+/// that force.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Eq14Axis {
-    /// Joint force: K_x = K_T.
+    /// Joint force, with K_x = K_T.
     Joint,
-    /// Modal force: K_x = ω0².
+    /// Modal force, with K_x = ω0².
     Modal,
     /// Joint force with K_x = K_∞, as the paper prints it.
     Printed,
-    /// Modal force, with what the other modes add to the dissipation taken off.
+    /// Modal force, with the dissipation divided by the factor that the coupling with other modes adds.
     Uncoupled,
 }
 
 impl Eq14Axis {
-    /// In a word, as names of numbers have it.
+    /// The axis as one word, used in names of numbers.
     #[must_use]
     pub const fn word(self) -> &'static str {
         match self {
@@ -54,30 +54,30 @@ impl Eq14Axis {
     }
 }
 
-/// A root β of Eq. 14, or none.
+/// A root β of Eq. 14, or that there is none.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Eq14Root {
     /// The slip force that was tried.
     pub f_s: f64,
-    /// The axis.
+    /// The axis that was tried.
     pub axis: Eq14Axis,
     /// The root; none where no β >= 0 solves the equation.
     pub beta: Option<f64>,
 }
 
-/// What Eq. 14 needs to know of a mode.
+/// Quantities of a mode that enter Eq. 14.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Stiffnesses {
     /// K_T, 1/s².
     pub(super) k_t: f64,
     /// ω0², 1/s².
     pub(super) omega_squared: f64,
-    /// Factor by which the mode loses more under an impact than alone.
+    /// Factor by which the mode dissipates more under an impact than alone.
     pub(super) coupled: f64,
 }
 
 impl Slopes {
-    /// Through the quiet ones among the curves of all levels; `frequency` is ω0/2π in Hz.
+    /// Fits the lines to the curves of the levels in micro-slip; `frequency` is ω0/2π in Hz.
     pub(super) fn new(curves: &[Curves], frequency: f64, k_t: f64) -> Option<Self> {
         let joint = ForceAxis::Joint { frequency, k_t };
         let quiet = curves.iter().zip(LEVELS).filter(|(_, level)| *level <= MICRO_SLIP);
@@ -104,7 +104,7 @@ impl Slopes {
         })
     }
 
-    /// Tries Eq. 14 with a slip force on all axes.
+    /// Solves Eq. 14 for β with a given slip force on all axes.
     pub(super) fn try_eq_14(&mut self, f_s: f64, mode: Stiffnesses) {
         let Stiffnesses { k_t, omega_squared, coupled } = mode;
         let (joint, modal) = (self.over_joint_force - 3.0, self.over_modal_force - 3.0);

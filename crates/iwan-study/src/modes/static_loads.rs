@@ -1,4 +1,4 @@
-//! What static loads say about a mode, and by how much the mode loses more under an impact.
+//! Static loads on a mode: its curves, and by how much the mode dissipates more under an impact.
 
 use iwan_fem::{ModalCurves, QuasiStatic};
 use iwan_ident::curves::Curves;
@@ -8,20 +8,20 @@ use serde::Serialize;
 use crate::beam::BeamUnderBlows;
 use crate::blows::LEVELS;
 
-/// Levels up to this force, lbf, stay in micro-slip (the largest slip is 0.3 φ_max): slopes and ratios are taken there.
+/// Levels up to this force, lbf, stay in micro-slip (the largest slip is 0.3 φ_max); slopes and ratios are taken from these levels.
 pub const MICRO_SLIP: f64 = 100.0;
-/// Levels up to this force, lbf, are compared with static loads. Beyond, the curves of the impacts are no longer a mode's.
+/// Levels up to this force, lbf, are compared with static loads. Beyond it, the curves of the impacts no longer belong to a single mode.
 const COUPLED: f64 = 10.0 * MICRO_SLIP;
-/// Smallest displacement of the static curves, √(lbf·in)·s: below the smallest that is read off any record (2e-6, mode 3 at 1 lbf).
+/// Smallest displacement of the static curves, √(lbf·in)·s: below the smallest in any record (2e-6, mode 3 at 1 lbf).
 const SMALLEST: f64 = 1e-6;
-/// Largest displacement: that of mode 1 after 5000 lbf. The curves end before it where parts begin to slide freely.
+/// Largest displacement of the static curves, √(lbf·in)·s: that of mode 1 after 5000 lbf. The curves end before it where parts begin to slide freely.
 const LARGEST: f64 = 0.1;
-/// Number of displacements: twelve in a decade.
+/// Number of displacements: twelve per decade.
 const POINTS: u32 = 61;
-/// Displacements of mode 1 at which an independent program computed the static curves of configuration A, √(lbf·in)·s; what
-/// comes of them here stands in `reproduce.json` to be compared.
+/// Displacements of mode 1 at which an independent program computed the static curves of configuration A, √(lbf·in)·s; `reproduce.json` holds our
+/// values there, for comparison.
 const CHECKED: [f64; 4] = [1.989e-4, 1.983e-3, 9.949e-3, 4.981e-2];
-/// Entries of a curve that are compared with static loads: each needs a static analysis of its own.
+/// Number of points of a curve that are compared with static loads: each needs a static analysis of its own.
 const COMPARED: usize = 8;
 
 /// Dissipation under an impact, which moves all modes, over that of the mode alone at the same amplitude.
@@ -29,7 +29,7 @@ const COMPARED: usize = 8;
 pub struct Coupling {
     /// Peak force of the impact, lbf.
     pub level: f64,
-    /// Mean ratio over the record.
+    /// Mean ratio over the compared points.
     pub mean: f64,
     /// Smallest ratio.
     pub low: f64,
@@ -37,7 +37,7 @@ pub struct Coupling {
     pub high: f64,
 }
 
-/// What static loads say about a mode.
+/// Results of static loads on a mode.
 pub(super) struct StaticLoads {
     pub(super) curves: ModalCurves,
     pub(super) checked: ModalCurves,
@@ -47,7 +47,7 @@ pub(super) struct StaticLoads {
 }
 
 impl StaticLoads {
-    /// On bending mode `index`, with the curves of the impacts and of a ring-down in this mode alone to compare.
+    /// Computes them for bending mode `index`; the curves of the impacts and of a ring-down in this mode alone are compared with the static ones.
     pub(super) fn new(
         truth: &BeamUnderBlows,
         index: usize,
@@ -74,7 +74,7 @@ impl StaticLoads {
     }
 }
 
-/// Static curves up to where parts begin to slide freely.
+/// Static curves, up to the displacement at which parts begin to slide freely.
 fn static_curves(analysis: &QuasiStatic<'_>, displacements: &[f64]) -> Result<ModalCurves, iwan_fem::Error> {
     let reached = displacements.iter().take_while(|q| analysis.curves(&[**q]).is_ok()).count();
     analysis.curves(&displacements[..reached])

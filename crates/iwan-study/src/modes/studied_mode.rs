@@ -9,15 +9,15 @@ use crate::printed::TABLE_2;
 /// A bending mode and, where it has a joint, its modal Iwan model.
 #[derive(Debug, Clone)]
 pub struct StudiedMode {
-    /// What the truth says about the mode.
+    /// The results of the truth model for the mode.
     pub mode: BendingMode,
     /// The modal model; none for a mode without joint.
     pub counterpart: Option<Counterpart>,
 }
 
 impl StudiedMode {
-    /// Bending mode `index` of a configuration. Eq. 14 is tried with three slip forces: the fitted one, that of the static
-    /// plateau, and the printed one.
+    /// Evaluates bending mode `index` of a configuration. Eq. 14 is solved with three slip forces: the fitted one, that of the static plateau, and
+    /// the printed one.
     ///
     /// # Errors
     /// As [`BendingMode::new`] and [`Counterpart::new`].

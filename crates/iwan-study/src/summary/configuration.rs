@@ -1,4 +1,4 @@
-//! One configuration of the beam and its modes in numbers.
+//! One configuration of the beam and its modes, as numbers.
 
 use iwan_fem::{ModalCurves, StructureResponse};
 use serde::Serialize;
@@ -10,8 +10,7 @@ use crate::modes::{Coupling, Distance, Reading, Slopes, StudiedMode};
 use crate::relative_difference::relative_difference;
 use crate::reproduction::StudiedBeam;
 
-/// Elastic modes that are named with their frequencies: up to the highest that the paper speaks of, and a few more. More would
-/// only make the list longer.
+/// Number of elastic modes that are listed with their frequencies: up to the highest that the paper mentions, and a few more.
 const LISTED: usize = 8;
 
 /// One configuration of the truth model.
@@ -25,31 +24,31 @@ pub struct ConfigurationSummary {
     pub unknowns: usize,
     /// Mass, lbf·s²/in.
     pub total_mass: f64,
-    /// Rigid motions, and parts that can slip away.
+    /// Numbers of zero modes: rigid motions and, with all joints slipping, parts that can slide away.
     pub zero_modes: ZeroModes,
     /// The lowest elastic modes with all joints stuck.
     pub frequencies: Vec<NamedFrequency>,
-    /// How well modal filters tell the modes of the reduced beam apart.
+    /// Rank and condition of modal filters for the modes of the reduced beam.
     pub filters: Vec<FilterQuality>,
-    /// Largest energy error of all blows, relative.
+    /// Largest error of the energy balance over all blows, relative.
     pub energy_error: f64,
     /// One entry for each blow.
     pub levels: Vec<LevelSummary>,
-    /// Differences from the reduced model over the first 20 ms and over the whole record at 1000 lbf, where attachment vectors are
-    /// left out; by bending mode.
+    /// Differences at 1000 lbf between the models without and with attachment vectors, by bending mode, over the first 20 ms and over the whole
+    /// record.
     pub without_attachments: Vec<Distance>,
-    /// How far the reduced model is from the full one.
+    /// Differences of the reduced model from the full one.
     pub reduction_error: Vec<ReductionError>,
     /// Bending modes 1 to 3.
     pub modes: Vec<ModeSummary>,
 }
 
-/// Zero modes in both limits.
+/// Numbers of zero modes in both limits.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub struct ZeroModes {
-    /// With all joints stuck: the rigid motions.
+    /// Number with all joints stuck: the rigid motions.
     pub stuck: usize,
-    /// With all joints slipping.
+    /// Number with all joints slipping.
     pub slipping: usize,
 }
 
@@ -59,7 +58,7 @@ pub struct ZeroModes {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(into = "(String, f64)")]
 pub struct NamedFrequency {
-    /// Such as `torsion 1`.
+    /// Name, such as `torsion 1`.
     pub name: String,
     /// Frequency with all joints stuck, Hz.
     pub frequency: f64,
@@ -78,42 +77,42 @@ pub struct LevelSummary {
     pub force: f64,
     /// Largest |q''| of each bending mode, √(lbf·in)/s.
     pub peak_acceleration: Vec<f64>,
-    /// Largest slip of all joints over φ_max.
+    /// Largest slip of all joints, over φ_max.
     pub slip_ratio: f64,
 }
 
 /// One bending mode.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ModeSummary {
-    /// Such as `bending 1`.
+    /// Name, such as `bending 1`.
     pub name: String,
     /// Frequency with all joints stuck, Hz.
     pub frequency_stuck: f64,
     /// Frequency with all joints slipping, Hz.
     pub frequency_slipping: f64,
-    /// How alike the stuck and the slipping shape are.
+    /// Modal assurance criterion between the stuck and the slipping shape.
     pub mac: f64,
     /// K_T = ω0² - ω∞², 1/s².
     pub k_t: f64,
-    /// |shape| at the loaded edge.
+    /// Absolute value of the mass-normalised shape at the loaded edge.
     pub tip: f64,
-    /// Whether slipping does not soften the mode.
+    /// Whether the mode is linear, that is, not softened by slipping joints.
     pub linear: bool,
-    /// By level: early, in the middle and late in the record.
+    /// Readings at each level, early, in the middle and late in the record.
     pub readings: Vec<Vec<Reading>>,
-    /// By level: how much more the mode loses under an impact than alone.
+    /// Dissipation under an impact over that of the mode alone, at each level.
     pub coupling: Vec<Coupling>,
     /// Dissipation of a ring-down in this mode alone over that of the static curves.
     pub alone: Option<Coupling>,
     /// Straight lines through the dissipation in micro-slip; none for a mode without joint.
     pub slopes: Option<Slopes>,
-    /// Static curves where an independent program has them too.
+    /// Static curves at the displacements for which an independent program has computed them, too.
     pub quasi_static: StaticPoints,
-    /// A joint fitted to the static curves.
+    /// The joint fitted to the static curves.
     pub static_fit: Option<JointParameters>,
-    /// By level: the fitted modal model's difference from the truth.
+    /// Difference of the fitted modal model from the truth, at each level.
     pub figure_8: Vec<Distance>,
-    /// The same with the printed parameters.
+    /// The same difference with the printed parameters.
     pub figure_8_printed: Vec<Distance>,
 }
 
@@ -124,14 +123,14 @@ pub struct StaticPoints {
     pub displacement: Vec<f64>,
     /// Frequency, Hz.
     pub frequency: Vec<f64>,
-    /// Energy lost in a cycle, lbf·in.
+    /// Energy dissipated per cycle, lbf·in.
     pub dissipation: Vec<f64>,
     /// Modal joint force, √(lbf·in)/s.
     pub joint_force: Vec<f64>,
 }
 
 impl ConfigurationSummary {
-    /// Of a configuration and its modes.
+    /// Makes the summary of a configuration and its modes.
     pub(super) fn new(studied: &StudiedBeam) -> Self {
         let truth = &studied.truth;
         let (modes, configuration) = (&truth.beam.modes, truth.beam.configuration);
@@ -192,7 +191,7 @@ impl From<&ModalCurves> for StaticPoints {
 }
 
 impl ModeSummary {
-    /// Of a mode and its counterpart.
+    /// Makes the summary of a mode and its modal model.
     fn new(studied: &StudiedMode) -> Self {
         let StudiedMode { mode, counterpart } = studied;
         let counterpart = counterpart.as_ref();

@@ -15,29 +15,29 @@ pub use configuration::{
 };
 pub use tables::{JointParameters, Table1, Table2Row};
 
-/// Everything that was found.
+/// All results.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Summary {
-    /// Of the truth and modal side, and of the laboratory.
+    /// Units of the truth and its modal models, and of the laboratory.
     pub units: [&'static str; 2],
-    /// The discrete joint.
+    /// The discrete joint of the beam's interfaces (Table 1).
     pub table_1: Table1,
-    /// The modal joints.
+    /// The modal joints (Table 2).
     pub table_2: Vec<Table2Row>,
-    /// The modes in the laboratory.
+    /// The modes in the laboratory (Table 3).
     pub table_3: Vec<Table3Row>,
-    /// Slopes of dissipation over force in the laboratory.
+    /// Slopes of dissipation over force in the laboratory (Table 4).
     pub table_4: Vec<Table4Row>,
     /// One entry per configuration.
     pub truth: Vec<ConfigurationSummary>,
     /// The synthetic measurements.
     pub lab: LaboratorySummary,
-    /// What reproduces, what does not and why.
+    /// Findings: what is reproduced, what is not, and why.
     pub findings: Vec<Finding>,
 }
 
 impl Summary {
-    /// Of all that was computed.
+    /// Makes the summary of a reproduction.
     ///
     /// # Errors
     /// As [`findings`].

@@ -1,4 +1,4 @@
-//! Tables 1 and 2 of the paper, printed and found.
+//! Tables 1 and 2 of the paper: printed and computed values.
 
 use iwan_core::Backbone;
 use iwan_ident::Parameters;
@@ -9,7 +9,7 @@ use crate::error::Error;
 use crate::modes::{Interval, StudiedMode};
 use crate::printed::{PrintedJoint, TABLE_2};
 
-/// The discrete joint as printed and what follows from it.
+/// The discrete joint as printed, and quantities that follow from it.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Table1 {
     /// K_T, lbf/in.
@@ -20,21 +20,21 @@ pub struct Table1 {
     pub chi: f64,
     /// β.
     pub beta: f64,
-    /// φ_max, in: where macro-slip begins.
+    /// Displacement φ_max at which macro-slip begins, in.
     pub phi_max: f64,
-    /// R, the density's coefficient, lbf/in^(χ+2).
+    /// Coefficient R of the density of slider strengths, lbf/in^(χ+2).
     pub r: f64,
-    /// S, the stiffness of the strongest slider, lbf/in.
+    /// Stiffness S of the strongest sliders (the Dirac part of the density), lbf/in.
     pub s: f64,
-    /// Energy lost in a cycle at the onset of macro-slip, lbf·in.
+    /// Energy dissipated per cycle at the onset of macro-slip, lbf·in.
     pub dissipation_at_phi_max: f64,
 }
 
 impl Table1 {
-    /// Of [`iwan_fem::paper::joint`].
+    /// Computes the table from [`iwan_fem::paper::joint`].
     ///
     /// # Errors
-    /// None in fact.
+    /// None in fact: the printed joint is valid.
     ///
     /// ```
     /// let table = iwan_study::summary::Table1::new()?;
@@ -82,31 +82,31 @@ impl From<Parameters> for JointParameters {
     }
 }
 
-/// A mode's parameters: printed, fitted, with intervals.
+/// A mode's parameters: printed, fitted, and with intervals.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Table2Row {
     /// The beam's configuration.
     pub configuration: &'static str,
-    /// Such as `bending 1`.
+    /// Name, such as `bending 1`.
     pub mode: String,
-    /// As the paper has them.
+    /// Parameters as the paper prints them.
     pub printed: JointParameters,
-    /// As fitted; none for a mode without joint.
+    /// Parameters as fitted here; none for a mode without joint.
     pub identified: Option<JointParameters>,
-    /// χ read off the slope as in Sec. 2.5.
+    /// χ read off the slope of the dissipation, as in Sec. 2.5.
     pub graphical_chi: Option<f64>,
-    /// F_S of the static plateau.
+    /// F_S as the plateau of the static joint force.
     pub static_f_s: Option<f64>,
     /// 95 % intervals from the records.
     pub intervals: Vec<Interval>,
     /// Whether the fit follows the curves.
     pub adequate: Option<bool>,
-    /// How far it does, in words.
+    /// How well the fit follows the curves, in words.
     pub verdict: String,
 }
 
 impl Table2Row {
-    /// Of a mode.
+    /// Makes the row of a mode.
     pub(super) fn new(studied: &StudiedMode) -> Self {
         let StudiedMode { mode, counterpart } = studied;
         let counterpart = counterpart.as_ref();

@@ -1,4 +1,4 @@
-//! Linear corrections that would explain what a structure misses.
+//! Corrections of the linear stiffness that would explain the misfit of a structure.
 
 use iwan_fem::{Adjustable, Correction, Reduced};
 use iwan_ident::estimate::least;
@@ -8,23 +8,23 @@ use super::fitted::Fit;
 use super::task::{Placed, UpdateTask, model, modes_of, starts};
 use super::verdict::{Passing, departures};
 
-/// A correction that leaves less than this part of the sum of squares is named: it must explain most of what is missed.
+/// A correction is named where it leaves less than this part of the sum of squares: it must explain most of the misfit.
 const EXPLAINS: f64 = 0.5;
 
-/// A part of the stiffness that would explain what the structure misses.
+/// A part of the stiffness whose correction by a factor would explain the misfit.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct LinearCorrection {
-    /// Which.
+    /// Name of the part.
     pub name: String,
-    /// Its factor.
+    /// Factor on its stiffness.
     pub factor: f64,
-    /// Sum of squares left, over that without the correction.
+    /// Sum of squares with the correction over that without.
     pub remaining: f64,
-    /// Whether the structure then tells all curves.
+    /// Whether the corrected structure describes all curves.
     pub adequate: bool,
 }
 
-/// Which single correction of the linear stiffness would explain what is missed.
+/// Finds the single corrections of the linear stiffness that would explain the misfit.
 pub(super) fn explanations(
     task: &UpdateTask<'_>,
     fit: &Fit<'_>,

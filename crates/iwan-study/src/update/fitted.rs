@@ -1,4 +1,4 @@
-//! The unknowns that tell the curves best, with intervals.
+//! The unknowns that describe the curves best, with intervals.
 
 use iwan_ident::estimate::{About, Found, Interval, Model, Told, Weights, intervals, least, silent};
 use serde::Serialize;
@@ -6,24 +6,25 @@ use serde::Serialize;
 use super::model::{Beside, DAMPING_UNIT, law};
 use crate::error::Error;
 
-/// Rounds in which the deviations of the curves are taken from what is left of them: after the third they stand to a hundredth.
+/// Rounds in which the standard deviations of the curves are computed from their residuals; after the third they change by no more than a hundredth.
 const ROUNDS: usize = 4;
-/// Least relative deviation of a damping ratio and of a frequency: what quasi-static curves of a reduced structure are off by themselves. A
-/// judgement: the reduced model's curves are within 2e-3 of the structure's in dissipation, and within 1e-3 of the loss of frequency.
+/// Smallest relative standard deviation of a damping ratio and of a frequency: the error of quasi-static curves of a reduced structure. A judgement:
+/// the reduced model's curves are within 2e-3 of the structure's in dissipation, and within 1e-3 of the softening of the frequency.
 pub(super) const LEAST_DAMPING: f64 = 1e-3;
 pub(super) const LEAST_FREQUENCY: f64 = 1e-6;
-/// No curve counts more than this many times the mean of its kind, however well it is told: an unknown that bends to one curve alone would
-/// make it look perfect.
+/// The standard deviation of a curve is at least the mean of its kind divided by this, however small its residuals are: an unknown that adapts to one
+/// curve alone would make this curve look perfect.
 const MOST_BELIEVED: f64 = 10.0;
-/// Searches begun anew because an interval's walk met a better point, at most.
+/// Most times that the search is begun anew because the walk along an interval (one unknown is moved step by step while the others are fitted) met a
+/// better point.
 const MOST_ANEW: usize = 3;
 
 /// Half width of a 95 % interval in standard deviations of a normal distribution.
 pub(super) const NORMAL: f64 = 1.96;
-/// The sum of squares, in units of the variance, at which a 95 % interval ends: the 95 % point of chi-square with one degree of freedom.
+/// Increase of the sum of squares, in units of the variance, at which a 95 % interval ends: the 95 % point of chi-square with one degree of freedom.
 pub(super) const ENDS: f64 = NORMAL * NORMAL;
 
-/// A value with its 95 % interval; null is open.
+/// A value with its 95 % interval; null is an open end.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Estimated {
     /// The best value.
@@ -32,11 +33,11 @@ pub struct Estimated {
     pub low: Option<f64>,
     /// Upper end.
     pub high: Option<f64>,
-    /// Whether the curves bound it on both sides.
+    /// Whether the data bound the value on both sides.
     pub identifiable: bool,
 }
 
-/// A group of joints as the curves have it.
+/// A group of joints with the parameters found.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct JointUpdate {
     /// Name of the group.
@@ -51,23 +52,23 @@ pub struct JointUpdate {
     pub chi: Estimated,
     /// Ratio β.
     pub beta: Estimated,
-    /// Largest slip in the curves over φ_max: macro-slip is seen from 1 on.
+    /// Largest slip in the curves over φ_max: from 1 on the curves contain macro-slip.
     pub slip_ratio: f64,
 }
 
-/// The best unknowns with the deviations found on the way.
+/// The best unknowns of a fit, with the standard deviations found on the way.
 #[derive(Debug, Clone)]
 pub(super) struct Fit<'a> {
     pub(super) model: Beside<'a>,
     pub(super) found: Found,
     pub(super) free: Vec<usize>,
-    /// Variance of the residuals, widened where neighbours agree.
+    /// Variance of the residuals, inflated where neighbouring residuals are correlated.
     pub(super) variance: f64,
     pub(super) told: Told,
 }
 
 impl<'a> Fit<'a> {
-    /// From several starts. Unknowns that the curves do not feel keep the values of the first start.
+    /// Fits from several starts. Unknowns to which the curves are insensitive keep the values of the first start.
     pub(super) fn new(mut model: Beside<'a>, starts: &[Vec<f64>]) -> Result<Self, Error> {
         let failed = Error::identification("update");
         let unfelt = |model: &Beside<'_>, x: &[f64]| silent(model, x, 1.0).map_err(&failed);
@@ -78,7 +79,7 @@ impl<'a> Fit<'a> {
         for _ in 0..ROUNDS {
             let weights = weights_of(&model, &found.x, free(&held).len());
             reweighted(&mut model, &weights);
-            // What is felt where the search ended is sought from there on.
+            // Unknowns to which the curves are sensitive at the point found are sought from now on.
             let still = unfelt(&model, &found.x)?;
             held.retain(|j| still.contains(j));
             found = least(&model, std::slice::from_ref(&found.x), &free(&held)).map_err(&failed)?;
@@ -87,17 +88,18 @@ impl<'a> Fit<'a> {
         Self::about(model, found, free)
     }
 
-    /// Of unknowns that are found already.
+    /// Makes the fit from unknowns that are found already.
     fn about(model: Beside<'a>, found: Found, free: Vec<usize>) -> Result<Self, Error> {
         let weights = weights_of(&model, &found.x, free.len());
         let freedom = (model.count() as f64 - free.len() as f64).max(1.0);
-        // What the curves are off by themselves is the least; a smaller sum of squares by chance does not make it smaller.
+        // The assumed standard deviations hold at least the curves' own error; a sum of squares that is smaller by chance does not reduce the
+        // variance below half.
         let variance = weights.inflation * (found.cost / freedom).max(0.5);
         let told = Told::about(&model, &found, &free, variance).map_err(Error::identification("update"))?;
         Ok(Self { model, found, free, variance, told })
     }
 
-    /// Intervals of all unknowns in their coordinates; the fit moves where a better point is met.
+    /// Intervals of all unknowns in their coordinates; the fit moves to a better point where a walk along an interval meets one.
     pub(super) fn intervals(&mut self, threads: usize) -> Result<Vec<Interval>, Error> {
         for round in 0..=MOST_ANEW {
             match self.intervals_here(threads, round == MOST_ANEW) {
@@ -118,7 +120,7 @@ impl<'a> Fit<'a> {
         intervals(&self.model, about, &all, threads)
     }
 
-    /// A group of joints with its intervals.
+    /// The parameters of a group of joints with their intervals.
     pub(super) fn joint(&self, group: usize, intervals: &[Interval], slip_ratio: f64) -> JointUpdate {
         let of = |k: usize, value: &dyn Fn(f64) -> f64| {
             estimated(self.found.x[4 * group + k], intervals[4 * group + k], value)
@@ -141,19 +143,19 @@ impl<'a> Fit<'a> {
         estimated(self.found.x[place], intervals[place], &|x| DAMPING_UNIT * x)
     }
 
-    /// A factor on a part of the stiffness.
+    /// The factor on a part of the stiffness.
     pub(super) fn factor(&self, number: usize, intervals: &[Interval]) -> Estimated {
         let place = self.model.first_factor() + number;
         estimated(self.found.x[place], intervals[place], &f64::exp)
     }
 
-    /// The laws found, group by group.
+    /// The laws that were found, group by group.
     pub(super) fn laws(&self) -> Vec<iwan_core::FourParameter> {
         self.found.x[..self.model.first_factor()].chunks_exact(4).filter_map(law).collect()
     }
 }
 
-/// A start with the unknowns that are held where the first start has them.
+/// A start in which the held unknowns have the values of the first start.
 pub(super) fn holding(x: &[f64], first: &[f64], held: &[usize]) -> Vec<f64> {
     x.iter()
         .zip(first)
@@ -173,7 +175,7 @@ fn weights_of(model: &Beside<'_>, x: &[f64], unknowns: usize) -> Weights {
     Weights::of(&residuals, &model.series(), unknowns)
 }
 
-/// Each curve's deviations from what is left of it.
+/// Sets the standard deviations of each curve from its residuals.
 fn reweighted(model: &mut Beside<'_>, weights: &Weights) {
     let square = |values: Vec<f64>| (values.iter().map(|v| v * v).sum::<f64>() / values.len() as f64).sqrt();
     let mut all: Vec<(f64, f64)> = Vec::new();

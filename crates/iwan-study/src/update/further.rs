@@ -1,4 +1,4 @@
-//! Beyond the best joints: which mode measured next would tell most, and what frequency and damping want of each other.
+//! Advice after the fit: which mode, measured next, would add most information, and how frequency and damping trade off against each other.
 
 use iwan_fem::{NamedModes, Stiffness};
 use iwan_ident::estimate::{Model, Told, least};
@@ -7,54 +7,56 @@ use serde::Serialize;
 use super::fitted::{Fit, mean_frequency};
 use super::model::Beside;
 
-/// Elastic modes that are asked what they would tell: beyond, tests with a hammer seldom reach.
+/// Number of elastic modes that are considered as the next measurement: tests with a hammer seldom reach higher ones.
 const ASKED: usize = 12;
-/// Amplitudes at which such a mode is taken to be measured, over two decades: as many as a short ring-down has independent values.
+/// Number of amplitudes, over two decades, at which such a mode is assumed to be measured: as many as a short ring-down has independent values.
 const AMPLITUDES: usize = 12;
-/// A mode would tell an unknown where it leaves less than this part of the deviation that is plausible before: half, which takes a factor of 33 either way
-/// to one of six.
+/// A mode is advised where its measurement leaves less than this part of an unknown's standard deviation: half, which narrows a plausible range of a
+/// factor of 33 either way to one of six.
 const TELLS: f64 = 0.5;
-/// Relative deviations of a frequency and of a damping ratio that a further mode is measured with at best: what frequencies of one specimen do from day
-/// to day with temperature, and what its damping does from hit to hit. Judgements.
+/// Best relative standard deviations with which a further mode is assumed to be measured, of the frequency and of the damping ratio: how frequencies
+/// of one specimen vary from day to day with temperature, and its damping from hit to hit. Judgements.
 const MEASURED_AT_BEST: (f64, f64) = (1e-4, 0.03);
-/// Weight of damping over that of frequency at the ends of the front: a thousand times more or less than the curves' own noise says.
+/// Largest weight of damping over frequency on the front of compromises, and the inverse of the smallest: a thousand times what the curves' own noise
+/// gives.
 const FARTHEST: f64 = 1e3;
 
-/// A mode that was not measured, and what it would tell.
+/// A mode that was not measured, and the information that its measurement would add.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct NextMode {
-    /// Mode.
+    /// Name of the mode.
     pub mode: String,
     /// Stuck frequency with the joints found, Hz.
     pub frequency: f64,
-    /// Sum of ln(deviation before / deviation after) over the parameters of the joints that the curves leave open: what it would tell in all.
+    /// Sum of ln(standard deviation before / after) over those joint parameters that the curves leave open: the information in total.
     pub gain: f64,
-    /// What of these it would tell best: group and parameter, …
+    /// The parameter, with its group, on which the mode would add most information, …
     pub parameter: String,
-    /// … and its standard deviation after over before.
+    /// … and the standard deviation of this parameter after the measurement over that before.
     pub remaining: f64,
-    /// Largest modal displacement it would need, at which it is at most as fast as the measured modes were and no joint slips more than in them.
+    /// Largest modal displacement that the measurement needs: the mode then moves at most as fast as the measured modes, and no joint slips more than
+    /// in them.
     pub displacement: f64,
 }
 
-/// The best compromise of frequency and damping at one weight.
+/// The best compromise between frequency and damping at one weight.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct TradeOff {
-    /// Weight of damping over that of frequency; 1: as their noise says.
+    /// Weight of damping over that of frequency; 1 weights both by their noise.
     pub weight: f64,
     /// Root-mean-square misfit of frequency over its measured shift.
     pub frequency: f64,
     /// Root-mean-square misfit of ln ζ.
     pub damping: f64,
-    /// The coordinates there: ln K_T, ln F_S, χ, β/(1+β) of each group, and the linear unknowns.
+    /// The coordinates of this compromise: ln K_T, ln F_S, χ, β/(1+β) of each group, and the linear unknowns.
     pub x: Vec<f64>,
 }
 
 /// Names of the parameters of a law, as in results.
 pub(super) const PARAMETERS: [&str; 4] = ["k_t", "f_s", "chi", "beta"];
 
-/// The modes not measured that would tell a parameter which the curves leave open, no faster than the measured ones were; those that would tell most
-/// first. `open` are the numbers of these parameters among the coordinates.
+/// The modes that were not measured and would determine a parameter that the curves leave open, at no higher velocity than the measured modes had;
+/// the most informative come first. `open` are the indices of these parameters among the coordinates.
 pub(super) fn next_modes(
     fit: &Fit<'_>,
     named: &NamedModes,
@@ -64,14 +66,14 @@ pub(super) fn next_modes(
     let Some(adjusted) = fit.model.adjusted(&fit.found.x) else { return Vec::new() };
     let reach = largest_slips(fit);
     let points = || fit.model.curves.iter().flat_map(|curve| &curve.points);
-    // A hammer gives modes about the same velocity, and to a fast one a small displacement.
+    // A hammer gives all modes about the same velocity, so that a fast mode has a small displacement.
     let fastest = points().map(|p| p.displacement * p.frequency).fold(0.0_f64, f64::max);
-    // Damping below the least that was measured drowns in what the structure loses elsewhere.
+    // Damping below the least that was measured cannot be told from other losses of the structure.
     let least = points().map(|p| p.log_damping).fold(f64::INFINITY, f64::min).exp();
     let (frequency_sd, damping_sd) = noise(&fit.model);
     let (frequency_sd, damping_sd) =
         (frequency_sd.max(MEASURED_AT_BEST.0), damping_sd.max(MEASURED_AT_BEST.1));
-    // With the unknowns that the curves so far do not feel.
+    // Unknowns to which the curves are insensitive so far are included.
     let all: Vec<usize> = (0..fit.model.bounds.len()).collect();
     let Ok(told) = Told::about(&fit.model, &fit.found, &all, fit.variance) else { return Vec::new() };
     let before = told.deviations();
@@ -89,7 +91,7 @@ pub(super) fn next_modes(
         for s in &said {
             slopes.push(s.frequency_by.iter().map(|by| by / (frequency_sd * s.frequency)).collect());
         }
-        // The mode has a linear damping of its own, which nobody knows before: only what damping does with amplitude tells of joints.
+        // The mode has a linear damping of its own, which is unknown: only the change of damping with amplitude gives information on the joints.
         let ratios: Vec<f64> = said.iter().map(|s| s.log_damping.exp()).collect();
         let unit = |ratio: f64| 1.0 / (damping_sd * (ratio + least));
         let own: f64 = ratios.iter().map(|r| unit(*r).powi(2)).sum();
@@ -118,7 +120,7 @@ pub(super) fn next_modes(
     modes
 }
 
-/// Which mode to measure next, in words.
+/// The advice on the next measurement, in words.
 pub(super) fn in_words(adequate: bool, open: &[usize], modes: &[NextMode]) -> String {
     match modes.first() {
         _ if !adequate => {
@@ -137,7 +139,7 @@ pub(super) fn in_words(adequate: bool, open: &[usize], modes: &[NextMode]) -> St
     }
 }
 
-/// Largest slip of each joint in the measured curves.
+/// The slip up to which each joint may be taken as tested: the largest in the measured curves.
 fn largest_slips(fit: &Fit<'_>) -> Vec<f64> {
     let count = fit.model.adjustable.slips().len();
     let mut largest = vec![0.0_f64; count];
@@ -150,12 +152,12 @@ fn largest_slips(fit: &Fit<'_>) -> Vec<f64> {
             largest.iter_mut().zip(&point.slips).for_each(|(most, s)| *most = most.max(s.abs()));
         }
     }
-    // A joint that hardly slipped so far may slip as much as the others.
+    // A joint that hardly slipped so far may slip as much as the joint that slipped most.
     let most = largest.iter().fold(0.0_f64, |m, s| m.max(*s));
     largest.iter().map(|_| most).collect()
 }
 
-/// Relative deviations of frequency and damping in the measured curves, in the mean.
+/// Mean relative standard deviations of frequency and damping in the measured curves.
 fn noise(model: &Beside<'_>) -> (f64, f64) {
     let n = model.curves.len() as f64;
     let frequency = model.curves.iter().map(|c| c.frequency_sd / mean_frequency(c)).sum::<f64>() / n;
@@ -169,7 +171,7 @@ pub(super) fn front(fit: &Fit<'_>, count: usize) -> Vec<TradeOff> {
         FARTHEST.powf(2.0 * share - 1.0)
     };
     let mut weights: Vec<f64> = (0..count).map(weight).collect();
-    // From the middle outwards, each from its neighbour.
+    // The compromises are computed from the middle outwards, each from its neighbour.
     weights.sort_by(|a, b| a.ln().abs().total_cmp(&b.ln().abs()));
     let mut points: Vec<TradeOff> = Vec::new();
     for weight in weights {
@@ -190,7 +192,7 @@ pub(super) fn front(fit: &Fit<'_>, count: usize) -> Vec<TradeOff> {
     points
 }
 
-/// Root mean squares of both kinds of misfit.
+/// Root mean squares of the misfits of frequency and of damping.
 fn misfits(model: &Beside<'_>, x: &[f64]) -> Option<(f64, f64)> {
     let mut residuals = vec![0.0; model.count()];
     let known = model.evaluate(x, &mut residuals, None);

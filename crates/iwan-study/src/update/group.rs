@@ -1,29 +1,29 @@
-//! Groups of joints that have one law.
+//! Groups of joints that share one law.
 
 use iwan_core::FourParameter;
 use iwan_fem::{Assembled, NamedModes};
 
 use crate::error::Error;
 
-/// Difference of slips, over the largest of all, below which two joints move alike: as for coupled modal models.
+/// Two joints move alike where their slips differ by less than this part of the largest slip of all, as in coupled modal models.
 const ALIKE: f64 = 0.01;
 
-/// Joints with one four-parameter law, the same in all their directions.
+/// Joints that share one four-parameter law, the same in all their directions.
 #[derive(Debug, Clone, PartialEq)]
 pub struct JointGroup {
-    /// Name in results.
+    /// Name of the group in results.
     pub name: String,
-    /// Numbers of the joints among those of the structure.
+    /// Indices of the joints among those of the structure.
     pub joints: Vec<usize>,
-    /// Start values.
+    /// Law with the start values of the search.
     pub law: FourParameter,
 }
 
-/// What is known of a joint before: its number and its law.
+/// A joint's index and the law with which its search starts.
 pub type StartLaw = (usize, FourParameter);
 
-/// Groups of the joints whose slips have the same size in all these modes, left and right ends of a part for instance: no measurement of
-/// these modes tells such joints apart. Only joints of the same start law are grouped.
+/// Groups joints whose slips have the same size in all these modes, such as the left and the right end of a part: no measurement of these modes can
+/// tell such joints apart. Only joints with the same start law are grouped.
 ///
 /// # Errors
 /// [`Error::Structure`] for a mode that does not exist.
@@ -72,13 +72,13 @@ pub fn groups_that_move_alike(
     Ok(groups.into_iter().map(|(_, group)| group).collect())
 }
 
-/// Numbers of a joint's slips with a law, among all slips.
+/// Indices, among all slips, of a joint's slips that have a law.
 pub(super) fn slips_of(assembled: &Assembled, joint: usize) -> Vec<usize> {
     let slips = assembled.slips().iter().enumerate();
     slips.filter(|(_, slip)| slip.joint == joint && slip.law.is_some()).map(|(n, _)| n).collect()
 }
 
-/// Numbers of a group's slips among those that have a law.
+/// Indices, among the slips that have a law, of the slips of a group.
 pub(super) fn slips_of_group(assembled: &Assembled, group: &JointGroup) -> Vec<usize> {
     let with_law = assembled.slips().iter().filter(|slip| slip.law.is_some()).enumerate();
     with_law.filter(|(_, slip)| group.joints.contains(&slip.joint)).map(|(n, _)| n).collect()

@@ -1,4 +1,4 @@
-//! Frequency and damping of a mode against amplitude, as measured.
+//! Measured frequency and damping of a mode against amplitude.
 
 use std::f64::consts::TAU;
 
@@ -6,21 +6,21 @@ use iwan_fem::Stiffness;
 
 use crate::error::Error;
 
-/// Means that a long curve becomes: curves of ring-downs have an entry per cycle, and their neighbours share most of their noise. So many show
-/// all that a smooth curve has to say, and averages in each of so many steps of amplitude keep what the entries know.
+/// Number of means into which a long curve is condensed, in even steps of ln amplitude. Curves of ring-downs have one entry per cycle, and
+/// neighbouring entries share most of their noise. This many means show all of a smooth curve, and the averages keep the information of the entries.
 const MEANS: usize = 48;
-/// Entries in a mean, on average, at least: with fewer all entries stay. A mean of one or two entries says nothing about their noise and moves the
-/// curve where it bends: of 61 entries without noise, by 0.7 % of damping at the onset of macro-slip, which hid β altogether.
+/// Fewest entries per mean on average; a curve with fewer keeps all its entries. A mean of one or two entries says nothing about their noise and
+/// distorts the curve where it bends: with 61 entries without noise, by 0.7 % of damping at the onset of macro-slip, which hid β altogether.
 const FEWEST_IN_A_MEAN: usize = 4;
-/// Points of a curve at least: with fewer there is no level, slope and bend.
+/// Fewest points of a curve: with fewer no level, slope and bend can be determined, and the curve is refused.
 const FEWEST_POINTS: usize = 4;
 
-/// A curve of one mode; one entry per amplitude, in any order.
+/// A curve of one mode; all vectors have one entry per amplitude, in any order.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MeasuredCurve {
-    /// Mode by name, as `iwan modes` calls it.
+    /// Name of the mode, as `iwan modes` gives it.
     pub mode: String,
-    /// Where it comes from, for messages.
+    /// Origin of the curve, for messages.
     pub source: String,
     /// Amplitude of the mass-normalised modal displacement, mass^½·length.
     pub displacement: Vec<f64>,
@@ -28,11 +28,11 @@ pub struct MeasuredCurve {
     pub frequency: Vec<f64>,
     /// Damping ratio; entries that are not > 0 (noise at the end of a decay) are left out.
     pub damping_ratio: Vec<f64>,
-    /// What the frequency is that of.
+    /// Which stiffness the frequency belongs to: the secant or the first harmonic.
     pub stiffness: Stiffness,
 }
 
-/// A point of a curve.
+/// One point of a curve.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Point {
     pub(super) displacement: f64,
@@ -41,7 +41,8 @@ pub(super) struct Point {
 }
 
 impl MeasuredCurve {
-    /// Damping ratios from the dissipation per cycle: ζ = D / (2π ω² q²).
+    /// Damping ratios from the dissipation per cycle, ζ = D / (2π ω² q²), with q the modal displacement (`displacement`) and ω/2π the frequency in
+    /// Hz.
     ///
     /// ```
     /// use iwan_study::update::MeasuredCurve;
@@ -54,7 +55,7 @@ impl MeasuredCurve {
         displacement.iter().zip(frequency).zip(dissipation).map(one).collect()
     }
 
-    /// The points, ascending, averaged where there are many.
+    /// The points in ascending amplitude, averaged where there are many.
     pub(super) fn points(&self) -> Result<Vec<Point>, Error> {
         let refused = |finding: String| Error::Update {
             place: format!("{}, {}", self.source, self.mode),
@@ -95,7 +96,7 @@ impl MeasuredCurve {
     }
 }
 
-/// Means in steps of the logarithm of the amplitude.
+/// Means of the points in even steps of the logarithm of the amplitude.
 fn averaged(points: &[Point]) -> Vec<Point> {
     let log = |p: &Point| p.displacement.ln();
     let (first, last) = (log(&points[0]), log(&points[points.len() - 1]));
@@ -137,7 +138,7 @@ mod tests {
         );
         let many = curve(1000).points().unwrap();
         assert!(many.len() <= MEANS && many.len() > MEANS / 2);
-        // Damping is the amplitude here, and its logarithm the mean of logarithms.
+        // Damping equals amplitude in this curve, and the logarithm of damping is averaged as the mean of logarithms.
         assert!(many.iter().all(|p| (p.log_damping - p.displacement.ln()).abs() < 1e-12));
     }
 

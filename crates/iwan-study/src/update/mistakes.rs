@@ -1,4 +1,4 @@
-//! Mistakes that make curves useless, told by what the structure is by itself: units, and curves of other modes.
+//! Mistakes that make curves useless and that show when the structure is known: wrong units, and curves of other modes.
 
 use std::f64::consts::TAU;
 
@@ -10,33 +10,36 @@ use super::model::Said;
 use super::task::Placed;
 use crate::error::Error;
 
-/// Factors that units make of a frequency in Hz, and what the frequency is then.
+/// Factors by which other units change a frequency in Hz, with a sentence on each.
 const UNITS: [(f64, &str); 4] = [
     (TAU, "it looks like an angular frequency in rad/s"),
     (60.0, "it looks like revolutions per minute"),
     (1e3, "it looks like mHz"),
     (1e-3, "it looks like kHz"),
 ];
-/// A frequency is that of a unit, or of another mode, within so much of its logarithm: structures whose joints are guessed are nearer than 10 %.
+/// A frequency is explained by a unit, or by another mode, where its logarithm agrees within this: even structures with guessed joints are nearer
+/// than 10 %.
 const NEAR: f64 = 0.1;
-/// A frequency is not that of the mode from twice or half of it on: joints move the modes of assembled structures by less.
+/// A frequency twice or half that of the mode cannot be the mode's: joints move the modes of assembled structures by less.
 const OFF: f64 = 2.0;
-/// Amplitudes beyond this many times the onset of macro-slip, or below the inverse, look like another unit: metres and millimetres differ by 1000, start
-/// values of slip forces by 3 or so.
+/// Amplitudes above this multiple of the onset of macro-slip, or below its inverse, suggest another unit of length: metres and millimetres differ by
+/// 1000, start values of slip forces by a factor of 3 or so.
 const AMPLITUDES: f64 = 30.0;
-/// Damping between these multiples of what the joints as given make looks like per cent: the factor is 100, and start values are off by 3 or so either way.
+/// Damping between these multiples of that of the joints as given suggests per cent: the factor is then 100, and start values are off by 3 or so
+/// either way.
 const PER_CENT: (f64, f64) = (30.0, 300.0);
-/// A frequency rises with the amplitude where its mean over the upper third lies so much of it above that over the lower third: as much as temperature
-/// does from day to day.
+/// A frequency counts as rising with amplitude where its mean over the upper third of the amplitudes exceeds that over the lower third by this part:
+/// as much as temperature changes it from day to day.
 const RISES: f64 = 1e-4;
 
-/// By which factor a frequency leaves the range between slipping and stuck joints.
+/// Factor by which a frequency lies outside the range between the mode's frequencies with joints slipping and stuck; 1 within the range.
 fn off(named: &NamedModes, mode: &iwan_fem::NamedMode, frequency: f64) -> f64 {
     let (a, b) = (named.frequency_slipping(mode), named.frequency_stuck(mode));
     frequency / frequency.clamp(a.min(b), a.max(b))
 }
 
-/// Refuses frequencies that are twice or half of the mode's, where another unit or another mode explains them, and damping beyond critical.
+/// Refuses frequencies more than twice or less than half of the mode's, with the unit or the other mode that explains them, and damping ratios of 1
+/// or more.
 pub(super) fn refuse(named: &NamedModes, measured: &[Placed<'_>]) -> Result<(), Error> {
     for placed in measured {
         let refused = |finding, remedy| {
@@ -89,7 +92,7 @@ pub(super) fn refuse(named: &NamedModes, measured: &[Placed<'_>]) -> Result<(), 
     Ok(())
 }
 
-/// The mode whose frequency this is, if there is one.
+/// Name of the mode that has this frequency; none where no mode has.
 fn nearest(named: &NamedModes, frequency: f64) -> Option<String> {
     let distance = |mode: &&iwan_fem::NamedMode| off(named, mode, frequency).ln().abs();
     let mode = named.elastic.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
@@ -97,8 +100,8 @@ fn nearest(named: &NamedModes, frequency: f64) -> Option<String> {
         .then(|| format!("{} ({:.5} Hz with all joints stuck)", mode.name, named.frequency_stuck(mode)))
 }
 
-/// Whether slip forces are those of another unit of length: stiffness does not change with it, so that curves in millimetres are described as well as
-/// those in metres, by joints a thousand times as strong.
+/// Sentences on groups whose slip forces look like those of another unit of length. Stiffness does not depend on that unit; curves in millimetres are
+/// therefore described as well as those in metres, by joints a thousand times as strong.
 pub(super) fn other_length(groups: &[JointGroup], found: &[JointUpdate]) -> Vec<String> {
     let of = |(group, found): (&JointGroup, &JointUpdate)| {
         let given = group.law.f_s();
@@ -116,7 +119,8 @@ pub(super) fn other_length(groups: &[JointGroup], found: &[JointUpdate]) -> Vec<
     groups.iter().zip(found).filter_map(of).collect()
 }
 
-/// What may be wrong with curves that the structure does not describe; `before` is what it says of each with the joints of its file, where it can.
+/// Possible mistakes in curves that the structure does not describe. `before` holds the structure's own curves with the joints of its file, where
+/// these can be computed.
 pub(super) fn hints(
     named: &NamedModes,
     measured: &[Placed<'_>],

@@ -1,8 +1,8 @@
-//! Joints of a structure from what several of its modes show: frequency and damping against amplitude.
+//! Joints of a structure from frequency and damping of several of its modes against amplitude.
 //!
-//! The forward model are quasi-static curves of the reduced structure ([`iwan_fem::Adjustable`]), in which each joint is a law over its
-//! slip, so that what one mode tells of a joint holds for all modes. Unknowns are the parameters of each group of joints, factors on parts
-//! of the linear stiffness, and the viscous damping of each measured mode.
+//! The forward model computes quasi-static curves of the reduced structure ([`iwan_fem::Adjustable`]), in which each joint is a law over its slip, so
+//! that information on a joint from one mode holds for all modes. The unknowns are the parameters of each group of joints, factors on parts of the
+//! linear stiffness, and the viscous damping of each measured mode.
 
 mod measured;
 mod group;

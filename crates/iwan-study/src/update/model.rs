@@ -1,4 +1,4 @@
-//! The structure's curves beside the measured ones, as residuals with exact derivatives.
+//! The structure's curves compared with the measured ones: residuals with exact derivatives.
 
 use std::f64::consts::TAU;
 use std::ops::Range;
@@ -9,20 +9,20 @@ use iwan_ident::estimate::Model;
 
 use super::measured::Point;
 
-/// Range of χ and of β/(1+β): those of the modal identification.
+/// Ranges of χ and of β/(1+β): the same as in the modal identification.
 const CHI_RANGE: (f64, f64) = (-0.99, 0.99);
 const MOST_DIRAC: f64 = 0.999;
-/// A damping ratio of 0.1 % has the coordinate 1.
+/// Unit of the coordinate of a damping ratio: a ratio of 0.1 % has the coordinate 1.
 pub(super) const DAMPING_UNIT: f64 = 1e-3;
-/// Most viscous damping: half of critical.
+/// Largest viscous damping, in that unit: half of critical.
 const MOST_DAMPING: f64 = 0.5 / DAMPING_UNIT;
 
-/// A curve with the deviations that its points count with.
+/// A measured curve with the standard deviations of its points.
 #[derive(Debug, Clone)]
 pub(super) struct Curve {
     /// Number of the stuck mode among all modes.
     pub(super) mode: usize,
-    /// Place of its viscous damping among the measured modes; none where it has none.
+    /// Index of its viscous damping among those of the measured modes; none where the mode has none.
     pub(super) viscous: Option<usize>,
     pub(super) stiffness: Stiffness,
     pub(super) points: Vec<Point>,
@@ -30,7 +30,7 @@ pub(super) struct Curve {
     pub(super) damping_sd: f64,
 }
 
-/// What the structure says at a point, with derivatives with respect to the coordinates.
+/// Frequency and damping of the structure at one point, with their derivatives with respect to the coordinates.
 #[derive(Debug, Clone)]
 pub(super) struct Said {
     pub(super) frequency: f64,
@@ -45,9 +45,9 @@ pub(super) struct Said {
 #[derive(Debug, Clone)]
 pub(super) struct Beside<'a> {
     pub(super) adjustable: &'a Adjustable,
-    /// Slips of each group.
+    /// Indices of the slips of each group.
     pub(super) groups: Vec<Vec<usize>>,
-    /// Standard deviation of the logarithm of each factor known before; none: nothing is.
+    /// Standard deviation of the logarithm of each factor, where it is known beforehand.
     pub(super) priors: Vec<Option<f64>>,
     pub(super) curves: Vec<Curve>,
     pub(super) bounds: Vec<(f64, f64)>,
@@ -64,7 +64,7 @@ pub(super) fn law(x: &[f64]) -> Option<FourParameter> {
     FourParameter::new(x[0].exp(), x[1].exp(), x[2], x[3] / (1.0 - x[3])).ok()
 }
 
-/// Bounds of all coordinates.
+/// Lower and upper bounds of all coordinates.
 pub(super) fn bounds(groups: usize, factors: usize, modes: usize) -> Vec<(f64, f64)> {
     const NONE: (f64, f64) = (f64::NEG_INFINITY, f64::INFINITY);
     let of_law = [NONE, NONE, CHI_RANGE, (0.0, MOST_DIRAC)];
@@ -75,17 +75,17 @@ pub(super) fn bounds(groups: usize, factors: usize, modes: usize) -> Vec<(f64, f
 }
 
 impl Beside<'_> {
-    /// Place of the first factor among the coordinates.
+    /// Index of the first factor among the coordinates.
     pub(super) fn first_factor(&self) -> usize {
         4 * self.groups.len()
     }
 
-    /// Place of the first viscous damping.
+    /// Index of the first viscous damping among the coordinates.
     pub(super) fn first_viscous(&self) -> usize {
         self.first_factor() + self.priors.len()
     }
 
-    /// The structure at these coordinates.
+    /// The structure with the unknowns at these coordinates; none where they make no law.
     pub(super) fn adjusted(&self, x: &[f64]) -> Option<Adjusted<'_>> {
         let laws = x[..self.first_factor()].chunks_exact(4).map(law).collect::<Option<Vec<_>>>()?;
         let factors: Vec<f64> =
@@ -93,7 +93,8 @@ impl Beside<'_> {
         self.adjustable.at(&self.groups, &laws, &factors).ok()
     }
 
-    /// What it says of a mode at ascending displacements; `viscous` is the place of the mode's damping, where it has one.
+    /// Frequency and damping that the structure gives a mode at ascending displacements; `viscous` is the index of the mode's damping, where it has
+    /// one.
     pub(super) fn said(
         &self,
         adjusted: &Adjusted<'_>,
@@ -137,7 +138,7 @@ impl Beside<'_> {
         points.iter().map(one).collect()
     }
 
-    /// Derivative of an unknown of the structure with respect to its coordinate: β of β/(1+β), else 1.
+    /// Derivative of an unknown of the structure with respect to its coordinate: that of β with respect to β/(1+β), else 1.
     fn inner(&self, x: &[f64], j: usize) -> f64 {
         if j < self.first_factor() && j % 4 == 3 { (1.0 - x[j]).powi(-2) } else { 1.0 }
     }
@@ -150,7 +151,7 @@ impl Beside<'_> {
         self.groups.iter().zip(x.chunks_exact(4)).map(ratio).collect()
     }
 
-    /// The residuals of each curve: first its frequencies, then its damping. What is known before stands behind all curves.
+    /// Index ranges of the residuals: of each curve first the frequencies, then the damping. Residuals of prior knowledge follow after all curves.
     pub(super) fn series(&self) -> Vec<Range<usize>> {
         let mut from = 0;
         let next = |curve: &Curve| {
@@ -162,7 +163,7 @@ impl Beside<'_> {
         self.curves.iter().flat_map(next).collect()
     }
 
-    /// What the structure says of all curves.
+    /// Frequency and damping of the structure for all curves.
     pub(super) fn said_of_all(&self, x: &[f64]) -> Option<Vec<Vec<Said>>> {
         let adjusted = self.adjusted(x)?;
         let of = |curve: &Curve| {
@@ -206,7 +207,7 @@ impl Model for Beside<'_> {
 }
 
 impl Beside<'_> {
-    /// What is known of the factors before, as residuals from the place `from` on.
+    /// Residuals of the prior knowledge on the factors, written from index `from` on.
     pub(super) fn known_before(
         &self,
         x: &[f64],

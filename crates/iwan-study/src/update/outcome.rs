@@ -1,4 +1,4 @@
-//! What an update found.
+//! The results of an update.
 
 use iwan_core::FourParameter;
 use iwan_fem::Correction;
@@ -11,110 +11,110 @@ use super::predicted::Prediction;
 use super::task::UpdateTask;
 use super::verdict::StructureVerdict;
 
-/// A curve beside the structure's, before and after; one entry per amplitude.
+/// A measured curve and those of the structure before and after the update; all vectors have one entry per amplitude.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ComparedCurve {
-    /// Mode.
+    /// Name of the mode.
     pub mode: String,
-    /// Where the curve comes from.
+    /// Origin of the curve.
     pub source: String,
-    /// Whether it was kept out of the fit.
+    /// Whether the curve was kept out of the fit.
     pub held_out: bool,
-    /// Modal displacement.
+    /// Amplitude of the modal displacement.
     pub displacement: Vec<f64>,
     /// Measured frequency, Hz, …
     pub frequency: Vec<f64>,
     /// … and damping ratio.
     pub damping_ratio: Vec<f64>,
-    /// Of the structure with the joints of its file.
+    /// Frequency of the structure with the joints of its file, Hz.
     pub frequency_before: Vec<f64>,
-    /// The same for the damping ratio.
+    /// Damping ratio of the structure with the joints of its file.
     pub damping_ratio_before: Vec<f64>,
-    /// With the joints found.
+    /// Frequency of the structure with the joints found, Hz.
     pub frequency_after: Vec<f64>,
-    /// The same for the damping ratio.
+    /// Damping ratio of the structure with the joints found.
     pub damping_ratio_after: Vec<f64>,
-    /// Standard deviation of the frequency found, Hz, by what the curves leave open; infinite (null in files) where nothing bounds it.
+    /// Standard deviation of the computed frequency, Hz, due to what the curves leave open; infinite (null in files) where nothing bounds it.
     pub frequency_sd: Vec<f64>,
-    /// The same for ln ζ.
+    /// Standard deviation of the logarithm of the computed damping ratio, likewise.
     pub log_damping_sd: Vec<f64>,
-    /// Of a curve that was kept out: how far the prediction is off, and what cannot be predicted.
+    /// For a curve that was kept out: the difference of the prediction from it, and what cannot be predicted.
     pub prediction: Option<Prediction>,
 }
 
-/// One mode at one point under a blow: how far the structure is from what was measured.
+/// One mode at one point under a blow: measured and computed amplitudes.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ComparedBlow {
-    /// Where the record comes from.
+    /// Origin of the record.
     pub source: String,
     /// Point, by the name of the structure's output.
     pub point: String,
-    /// Mode about whose frequency both were compared.
+    /// Mode at whose frequency both were compared.
     pub mode: String,
     /// Whether the blow was kept out of the fit.
     pub held_out: bool,
-    /// Root mean square of the difference of complex amplitudes over that of the measured ones, with the joints of the file; none where these have no
-    /// motion.
+    /// Relative misfit with the joints of the file: root mean square of the difference of complex amplitudes over that of the measured ones; none
+    /// where no motion can be computed with these joints.
     pub before: Option<f64>,
-    /// The same with the joints found.
+    /// Relative misfit with the joints found.
     pub after: f64,
-    /// Middles of the windows, s.
+    /// Middle of each window, s.
     pub time: Vec<f64>,
     /// Measured amplitude in each window, in the unit of the record.
     pub measured: Vec<f64>,
-    /// That of the structure with the joints found.
+    /// Amplitude of the structure with the joints found in each window, in the same unit.
     pub computed: Vec<f64>,
 }
 
-/// A combination of unknowns, and how well the curves tell it.
+/// A combination of unknowns, and how well the data determine it.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Told {
-    /// Standard deviation along it; none where nothing tells it.
+    /// Standard deviation along the combination; none where nothing determines it.
     pub deviation: Option<f64>,
-    /// Its largest terms, as `0.8 ln k_t of link - 0.6 ln f_s of link`.
+    /// Largest terms of the combination, as in `0.8 ln k_t of link - 0.6 ln f_s of link`.
     pub combination: String,
 }
 
-/// All that an update found.
+/// All results of an update.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Update {
     /// The groups of joints.
     pub groups: Vec<JointUpdate>,
-    /// Their laws.
+    /// The law of each group.
     pub laws: Vec<FourParameter>,
-    /// Factors on parts of the stiffness by name.
+    /// Factors on parts of the stiffness, by name.
     pub factors: Vec<(String, Estimated)>,
-    /// Viscous damping ratios of the measured modes.
+    /// Viscous damping ratios of the measured modes, by name.
     pub viscous: Vec<(String, Estimated)>,
-    /// Measured curves beside the structure's.
+    /// Measured curves, compared with those of the structure.
     pub curves: Vec<ComparedCurve>,
-    /// What the curves tell, best first.
+    /// Combinations of unknowns, the best determined first.
     pub told: Vec<Told>,
-    /// Whether the structure tells the curves.
+    /// Whether the structure describes the data.
     pub verdict: StructureVerdict,
-    /// Where it does not: linear corrections with which it would, or nearly.
+    /// Where the structure does not describe the curves: linear corrections with which it would, or nearly.
     pub corrections: Vec<LinearCorrection>,
-    /// What to measure next.
+    /// Modes whose measurement would add most information.
     pub next_modes: Vec<NextMode>,
-    /// That in words, where there are curves: also why no mode is named.
+    /// The advice on what to measure next in words, also where no mode is named; empty without curves.
     pub measure_next: String,
-    /// Compromises of frequency and damping.
+    /// Compromises between frequency and damping.
     pub front: Vec<TradeOff>,
-    /// Blows beside the structure's, where joints were found from blows: one entry for each point and mode of each.
+    /// Blows compared with those of the structure, where joints were found from blows: one entry for each blow, point and mode.
     pub blows: Vec<ComparedBlow>,
-    /// Whether the search ended by itself.
+    /// Whether the search converged.
     pub converged: bool,
 }
 
 impl Update {
-    /// The laws by the numbers of the joints; `task` is what was asked.
+    /// The law of each joint, by the joint's index; `task` is the task of the update.
     #[must_use]
     pub fn laws_of_joints(&self, task: &UpdateTask<'_>) -> Vec<(usize, FourParameter)> {
         let groups = task.groups.iter().zip(&self.laws);
         groups.flat_map(|(group, law)| group.joints.iter().map(move |joint| (*joint, *law))).collect()
     }
 
-    /// The factors by the part of the stiffness.
+    /// The factor on each part of the stiffness; `task` is the task of the update.
     #[must_use]
     pub fn factors_of_parts(&self, task: &UpdateTask<'_>) -> Vec<(Correction, f64)> {
         let parts = task.corrections.iter().zip(&self.factors);
@@ -122,9 +122,9 @@ impl Update {
     }
 }
 
-/// Terms of a combination that are named: the others have less than this part of the largest.
+/// Smallest share of a term, relative to the largest, with which it is named in a combination.
 const NAMED: f64 = 0.2;
-/// Terms named at most.
+/// Most terms that are named.
 const MOST_NAMED: usize = 4;
 
 /// The combinations in words.
@@ -132,7 +132,7 @@ pub(super) fn told(fit: &Fit<'_>, names: &[String]) -> Vec<Told> {
     in_words(&fit.told, &fit.free, names)
 }
 
-/// Combinations of these free unknowns in words.
+/// Combinations of the unknowns `free` in words.
 pub(super) fn in_words(told: &iwan_ident::estimate::Told, free: &[usize], names: &[String]) -> Vec<Told> {
     let in_words = |direction: &[f64]| {
         let mut terms: Vec<(f64, &String)> =

@@ -1,4 +1,4 @@
-//! Modes kept out of the fit: how far the prediction may be off, by what is told and by what is not.
+//! Predictions for modes that were kept out of the fit: their uncertainty, by what the curves determine and by what they leave open.
 
 use iwan_fem::Stiffness;
 use iwan_ident::estimate::{Interval, near};
@@ -9,54 +9,55 @@ use super::measured::Point;
 use super::model::Said;
 use super::verdict::{OWN, SHIFT_FLOOR, scatter};
 
-/// Steps along the open side of an unknown, in its coordinate: up to a factor of 33 on K_T and F_S, beyond which no engineer would call a value
-/// plausible. χ and β/(1+β) end at their bounds before.
+/// Steps from the best value along the open side of an unknown, in its coordinate: up to a factor of 33 on K_T and F_S, beyond which no engineer
+/// would call a value plausible. χ and β/(1+β) reach their bounds before.
 const STEPS: [f64; 4] = [0.5, 1.0, 2.0, 3.5];
-/// Effort of the search for the other unknowns at such a step: whether the curves accept the step shows after few iterations.
+/// Iterations and relative reduction of the search for the other unknowns at such a step: few iterations show whether the curves accept the step.
 const EFFORT: (usize, f64) = (10, 1e-3);
-/// Damping that an open unknown moves by more than this factor cannot be predicted: a prediction within a factor of two serves a design still. A
-/// judgement.
+/// Where an open unknown changes the damping by more than this factor, a sentence says that the prediction has a wide band only: a prediction within
+/// a factor of two still serves a design. A judgement.
 const MOST_DAMPING: f64 = 2.0;
-/// The same for the frequency, as a part of its measured shift: by half of it, the shift itself is not predicted.
+/// Limit for the frequency, as a part of its measured shift: where an open unknown changes it by more than half of the shift, the shift is not
+/// predicted.
 const MOST_SHIFT: f64 = 0.5;
 
-/// A prediction held against what was measured.
+/// A prediction compared with the measured curve.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Prediction {
-    /// Measured less predicted frequency where it is missed most, Hz, …
+    /// Measured minus predicted frequency where the difference is largest, Hz, …
     pub frequency_misfit: f64,
     /// … and as a part of the frequency.
     pub relative_frequency_misfit: f64,
-    /// Measured damping ratio over the predicted one, less one, where it is missed most.
+    /// Measured over predicted damping ratio, minus 1, where the difference is largest.
     pub damping_misfit: f64,
-    /// Share of the measured frequencies that lie in the 95 % band; none where there is no band.
+    /// Share of the measured frequencies that lie in the 95 % band of the prediction; none where there is no band.
     pub frequency_inside: Option<f64>,
-    /// The same for damping ratios.
+    /// Share of the measured damping ratios that lie in the 95 % band; none where there is no band.
     pub damping_inside: Option<f64>,
-    /// What cannot be predicted, and why, in whole sentences.
+    /// What cannot be predicted and why, in whole sentences.
     pub not_predicted: Vec<String>,
 }
 
-/// Standard deviations of a prediction.
+/// Standard deviations of a prediction, one entry per point.
 #[derive(Debug, Clone)]
 pub(super) struct Spread {
-    /// Of the frequency, Hz; infinite where it cannot be predicted.
+    /// Standard deviation of the frequency, Hz; infinite where it cannot be predicted.
     pub(super) frequency: Vec<f64>,
-    /// Of ln ζ; infinite where it cannot be predicted.
+    /// Standard deviation of ln ζ; infinite where it cannot be predicted.
     pub(super) log_damping: Vec<f64>,
-    /// What cannot be predicted, and why.
+    /// What cannot be predicted and why, in whole sentences.
     pub(super) not_predicted: Vec<String>,
 }
 
-/// The mode that is predicted.
+/// The mode that is to be predicted.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Asked<'a> {
     pub(super) mode: &'a str,
     pub(super) with: (usize, Option<usize>, Stiffness),
     pub(super) points: &'a [Point],
-    /// What the structure says there.
+    /// Frequency and damping of the structure at the points.
     pub(super) said: &'a [Said],
-    /// Viscous damping ratio that is added to the damping by the joints, as a guess.
+    /// Guess of the viscous damping ratio, which is added to the damping by the joints.
     pub(super) guessed: f64,
     /// Whether modes have viscous damping of their own.
     pub(super) viscous: bool,
@@ -64,8 +65,8 @@ pub(super) struct Asked<'a> {
     pub(super) adequate: bool,
 }
 
-/// How far a prediction may be off: by what the curves tell, along each unknown that they leave open as far as they accept it, and by the linear damping
-/// of the mode itself.
+/// Uncertainty of a prediction, from three sources: the uncertainty of what the curves determine; each unknown that the curves leave open, as far as
+/// the curves accept it; and the mode's own linear damping.
 pub(super) fn spread(fit: &Fit<'_>, intervals: &[Interval], names: &[String], asked: Asked<'_>) -> Spread {
     let n = asked.points.len();
     if !asked.adequate {
@@ -133,7 +134,7 @@ pub(super) fn spread(fit: &Fit<'_>, intervals: &[Interval], names: &[String], as
     Spread { frequency, log_damping, not_predicted }
 }
 
-/// What the structure says of a mode along an open unknown, as far as the curves accept it with the other unknowns following.
+/// Curves of a mode along an open unknown, as far as the measured curves accept it while the other unknowns are fitted again.
 fn accepted(fit: &Fit<'_>, j: usize, direction: f64, asked: Asked<'_>) -> Vec<Vec<Said>> {
     let others: Vec<usize> = fit.free.iter().copied().filter(|k| *k != j).collect();
     let q: Vec<f64> = asked.points.iter().map(|p| p.displacement).collect();
@@ -148,7 +149,7 @@ fn accepted(fit: &Fit<'_>, j: usize, direction: f64, asked: Asked<'_>) -> Vec<Ve
         }
         let said = fit.model.adjusted(&found.x);
         let said = said.and_then(|adjusted| fit.model.said(&adjusted, &found.x, asked.with, &q));
-        // Where parts slide freely at these amplitudes there is no such curve.
+        // Where parts slide freely at these amplitudes, the mode has no curve.
         let Some(said) = said else { break };
         all.push(said);
         if x[j] <= low || x[j] >= high {
@@ -158,7 +159,7 @@ fn accepted(fit: &Fit<'_>, j: usize, direction: f64, asked: Asked<'_>) -> Vec<Ve
     all
 }
 
-/// The parameter of a coordinate: `k_t of link` for `ln k_t of link`.
+/// The parameter behind a coordinate: `k_t of link` for `ln k_t of link`.
 fn parameter(name: &str) -> &str {
     name.strip_prefix("ln ").unwrap_or(name)
 }
@@ -171,7 +172,7 @@ fn shift_of(points: &[Point]) -> f64 {
     (range.1 - range.0).max(SHIFT_FLOOR * range.1)
 }
 
-/// The prediction beside what was measured: frequencies, damping ratios and their standard deviations.
+/// Compares the prediction (frequencies, damping ratios and their standard deviations) with the measured points.
 pub(super) fn held_against(
     points: &[Point],
     frequency: &[f64],

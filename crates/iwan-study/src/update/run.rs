@@ -1,4 +1,4 @@
-//! An update from curves to joints, in one call.
+//! From curves to joints, in one call.
 
 use iwan_core::Progress;
 use iwan_core::progress::part;
@@ -18,15 +18,17 @@ use super::task::{Placed, UpdateTask, checked, model, modes_of, placed, starts};
 use super::verdict::{Departure, Passing, StructureVerdict, appended, departures};
 use crate::error::Error;
 
-/// Modes of the reduced structure beside the attachment vectors, and as many above the highest mode measured: 40 of the paper's beam reach to
-/// 10 kHz, where frequencies of its first modes under a correction of 3 % are within 1e-6.
+/// Least number of modes in the basis of the reduced structure, beside the attachment vectors; the basis also has as many modes above the highest
+/// measured one as up to it. 40 modes of the paper's beam reach to 10 kHz; the frequencies of its first modes are then within 1e-6 under a correction
+/// of 3 %.
 pub(super) const MODES: usize = 40;
-/// Points of the front of compromises.
+/// Number of points on the front of compromises.
 const FRONT: usize = 30;
 /// Finds the joints of a structure from curves of several modes.
 ///
 /// # Errors
-/// [`Error::Update`] for curves or groups that cannot be used; [`Error::Structure`]; [`Error::Identification`] when no start has curves;
+/// [`Error::Update`] for curves or groups that cannot be used; [`Error::Structure`]; [`Error::Identification`] where the structure has curves at no
+/// start;
 /// [`Error::Interrupted`].
 pub fn update(task: &UpdateTask<'_>, progress: Progress<'_>) -> Result<Update, Error> {
     let failed = Error::structure("update");
@@ -65,7 +67,7 @@ pub fn update(task: &UpdateTask<'_>, progress: Progress<'_>) -> Result<Update, E
     let verdict = verdict(task, &fit, &measured, &found)?;
     let mut told = told(&fit, &unknowns);
     if !verdict.adequate {
-        // Joints that do not tell the curves have parameters, but not those of the structure.
+        // Joints that do not describe the curves have best values, but these are not the structure's: all intervals are open.
         intervals.fill(Interval::default());
         for combination in &mut told {
             combination.deviation = None;
@@ -118,7 +120,7 @@ fn verdict(
     Ok(StructureVerdict::new(missed, beyond(computed), suspected))
 }
 
-/// What the structure says of each curve with the joints of its file alone, where it can.
+/// The structure's own curves with the joints of its file, at the measured points; none where they cannot be computed.
 fn before(model: &Beside<'_>, x: &[f64], measured: &[Placed<'_>]) -> Vec<Option<Vec<Said>>> {
     let of = |placed: &Placed<'_>| {
         let q: Vec<f64> = placed.points.iter().map(|p| p.displacement).collect();
@@ -127,7 +129,7 @@ fn before(model: &Beside<'_>, x: &[f64], measured: &[Placed<'_>]) -> Vec<Option<
     measured.iter().map(of).collect()
 }
 
-/// Start values, of which the first has curves at the measured amplitudes.
+/// Start values; at the first of them the structure has curves at the measured amplitudes.
 fn starts_with_curves(
     task: &UpdateTask<'_>,
     model: &Beside<'_>,
@@ -191,7 +193,7 @@ fn viscous(
     all.map(|(n, mode)| (mode.clone(), fit.viscous(n, intervals))).collect()
 }
 
-/// Measured curves beside those of the structure before and after.
+/// Measured curves, compared with those of the structure before and after the update.
 fn compared(
     (task, fit): (&UpdateTask<'_>, &Fit<'_>),
     measured: &[Placed<'_>],
@@ -207,14 +209,14 @@ fn compared(
             fit.model.curves.iter().find(|curve| curve.mode == placed.mode).and_then(|curve| curve.viscous);
         let with = (placed.mode, own, placed.curve.stiffness);
         let after = said_with(fit, &fit.found.x, with, &placed.points)?;
-        // A mode that was not measured gets the mean of the others' viscous damping.
+        // A mode that was not measured gets the mean of the other modes' viscous damping.
         let x = &fit.found.x[fit.model.first_viscous()..];
         let mean = if own.is_none() && !x.is_empty() {
             DAMPING_UNIT * x.iter().sum::<f64>() / x.len() as f64
         } else {
             0.0
         };
-        // With the joints of the file parts may slide freely at these amplitudes: then there is no such curve.
+        // With the joints of the file parts may slide freely at these amplitudes; the curve before the update is then missing.
         let first =
             said_with(fit, &undamped, (placed.mode, None, placed.curve.stiffness), &placed.points).ok();
         let of = |said: Option<&Vec<Said>>, get: &dyn Fn(&Said) -> f64| -> Vec<f64> {

@@ -1,4 +1,4 @@
-//! What an update is given, brought into the form of the model.
+//! The input of an update, brought into the form of the model.
 
 use iwan_fem::{Adjustable, Correction, NamedModes};
 
@@ -7,20 +7,21 @@ use super::measured::{MeasuredCurve, Point};
 use super::model::{Beside, Curve, DAMPING_UNIT, bounds, coordinates};
 use crate::error::Error;
 
-/// Deviations that the first search counts with: of ln ζ, and of the frequency over its shift. What is left says what they are.
+/// Standard deviations that the first search assumes, of ln ζ and of the frequency relative to its shift; the residuals then give better ones.
 const FIRST: f64 = 0.02;
-/// What is given and what is sought.
+/// What is given and what is sought in an update.
 #[derive(Debug, Clone)]
 pub struct UpdateTask<'a> {
     /// The structure with its modes.
     pub named: &'a NamedModes,
-    /// Groups of joints whose laws are sought; other joints keep theirs.
+    /// Groups of joints whose laws are sought; other joints keep their laws.
     pub groups: Vec<JointGroup>,
-    /// Parts of the stiffness that may be wrong by a factor: name, which, and the standard deviation of its logarithm known before.
+    /// Parts of the stiffness that may be wrong by a factor: name, part, and the standard deviation of the factor's logarithm where it is known
+    /// beforehand.
     pub corrections: Vec<(String, Correction, Option<f64>)>,
-    /// Whether each measured mode has viscous damping of its own beside the joints.
+    /// Whether each measured mode has an unknown viscous damping beside the joints.
     pub viscous: bool,
-    /// The curves.
+    /// The measured curves that are fitted.
     pub curves: Vec<MeasuredCurve>,
     /// Curves that are kept out of the fit and predicted.
     pub held_out: Vec<MeasuredCurve>,
@@ -28,14 +29,14 @@ pub struct UpdateTask<'a> {
     pub threads: usize,
 }
 
-/// A measured curve with the number of its mode.
+/// A measured curve with the index of its mode.
 pub(super) struct Placed<'a> {
     pub(super) curve: &'a MeasuredCurve,
     pub(super) mode: usize,
     pub(super) points: Vec<Point>,
 }
 
-/// Refuses groups and priors that do not fit.
+/// Refuses groups and prior knowledge that do not fit the structure.
 pub(super) fn checked(task: &UpdateTask<'_>) -> Result<(), Error> {
     let refused =
         |finding: &str, remedy| Error::Update { place: "update".into(), finding: finding.into(), remedy };
@@ -68,7 +69,7 @@ pub(super) fn placed<'a>(
     curves.iter().map(one).collect()
 }
 
-/// The measured modes, each once.
+/// Names of the measured modes, each once.
 pub(super) fn modes_of(measured: &[Placed<'_>]) -> Vec<String> {
     let mut modes: Vec<String> = Vec::new();
     for placed in measured {
@@ -111,9 +112,10 @@ pub(super) fn model<'a>(
     }
 }
 
-/// Start values: those of the file, and others within a factor of two to three, as knees can be mistaken for slopes.
+/// Start values: those of the file, and others within a factor of two to three, because a knee (the onset of macro-slip) can be mistaken for the
+/// slope of micro-slip.
 pub(super) fn starts(task: &UpdateTask<'_>, measured: &[Placed<'_>], modes: usize) -> Vec<Vec<f64>> {
-    // Factors on K_T and F_S, then χ and β/(1+β) where not those of the file.
+    // Each row: factors on K_T and F_S, then χ and β/(1+β); NaN keeps the value of the file.
     const NAN: f64 = f64::NAN;
     const OTHERS: [[f64; 4]; 7] = [
         [1.0, 1.0, NAN, NAN],
@@ -125,7 +127,7 @@ pub(super) fn starts(task: &UpdateTask<'_>, measured: &[Placed<'_>], modes: usiz
         [1.0, 2.5, -0.2, 0.5],
     ];
     let least = measured.iter().flat_map(|p| &p.points).map(|p| p.log_damping).fold(f64::INFINITY, f64::min);
-    // Without curves a joint's 0.1 %.
+    // Without curves, the damping of the joints is taken as 0.1 %.
     let least = if least.is_finite() { least } else { DAMPING_UNIT.ln() };
     let viscous = if task.viscous { modes } else { 0 };
     let one = |&[k, f, chi, dirac]: &[f64; 4]| {

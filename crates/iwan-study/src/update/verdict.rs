@@ -1,4 +1,4 @@
-//! Whether the structure with its best joints tells the curves, and where it leaves them.
+//! Whether the structure with its best joints describes the curves, and where it departs from them.
 
 use iwan_ident::estimate::student_quantile;
 use serde::Serialize;
@@ -6,29 +6,28 @@ use serde::Serialize;
 use super::measured::Point;
 use super::model::Said;
 
-/// Dissipation missed by more is no match: about what repeated hits of one specimen differ by, as in the verdict on a mode.
+/// A larger relative misfit of dissipation is no match: about as much as repeated hits of one specimen differ, as in the verdict on a single mode.
 const DISSIPATION: f64 = 0.03;
-/// Frequency missed by more than this part of its measured shift is none.
+/// A misfit of frequency larger than this part of the measured shift is no match.
 const FREQUENCY: f64 = 0.1;
-/// A shift below this part of the frequency is none: ring-downs of real structures do not repeat better.
+/// A shift smaller than this part of the frequency does not count: ring-downs of real structures do not repeat better.
 pub(super) const SHIFT_FLOOR: f64 = 1e-5;
-/// Neighbours over which misfits are averaged: noise then counts less than half, and a departure keeps its place.
+/// Number of neighbouring points over which misfits are averaged: noise then counts less than half, and a departure keeps its place.
 const NEIGHBOURS: usize = 5;
-/// Misfits that noise explains, in standard deviations of the average of so many neighbours: of a few hundred averages none is beyond four by
-/// chance.
+/// Misfits up to this many standard deviations of such an average are explained by noise: of a few hundred averages none lies beyond four by chance.
 const NOISE: f64 = 4.0;
 
-/// What the structure's own curves are off by: twice what reduced quasi-static curves lose of dissipation and of the loss of frequency. A
-/// departure beyond it, and beyond noise, is real however small: the structure is another one.
+/// The structure's own error, relative: twice what reduced quasi-static curves lose of dissipation and of the softening of the frequency. A departure
+/// beyond it, and beyond noise, is real however small: the structure differs from the model.
 pub(super) const OWN: f64 = 2e-3;
 
-/// A right structure is suspected by chance in so many of all updates.
+/// Part of all updates in which a right structure is suspected by chance.
 const SUSPECTED: f64 = 0.05;
-/// Second differences on either side of an average whose scatter tells the noise there. Noise may grow with the amplitude, as where it is a part of the
-/// shift of the frequency: more would mix in quieter amplitudes, fewer know too little of it.
+/// Number of second differences on either side of an average whose scatter gives the noise there. Noise may grow with the amplitude, as where it is a
+/// part of the frequency's shift: more differences would mix in other amplitudes, fewer would determine the noise too poorly.
 const BESIDE: usize = 4;
 
-/// What passes: of dissipation, and of the frequency over its measured shift.
+/// Limits within which a curve passes: of dissipation, and of the frequency over its measured shift.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Passing {
     dissipation: f64,
@@ -36,41 +35,42 @@ pub(super) struct Passing {
     noise: Noise,
 }
 
-/// How far noise goes.
+/// How the limit of noise is computed.
 #[derive(Debug, Clone, Copy)]
 enum Noise {
-    /// In standard deviations of an average, by the scatter of the whole curve.
+    /// A number of standard deviations of an average, from the scatter of the whole curve.
     Deviations(f64),
-    /// Beyond it goes this share of all averages, by the scatter beside each.
+    /// A probability that an average exceeds the limit by chance, from the scatter beside the average.
     Chance(f64),
 }
 
 impl Passing {
-    /// What repeated hits of one specimen differ by: enough for predictions.
+    /// The differences between repeated hits of one specimen: enough for predictions.
     pub(super) const REPEATS: Self =
         Self { dissipation: DISSIPATION, shift: FREQUENCY, noise: Noise::Deviations(NOISE) };
 
-    /// What the computation itself is off by, and what noise does in one of twenty updates that compare curves of so many points.
+    /// The error of the computation itself, and the noise that is exceeded by chance in one of twenty updates with curves of these numbers of points.
     pub(super) fn computed(points: impl Iterator<Item = usize>) -> Self {
-        // Frequency and damping of each curve.
+        // Two series per curve, frequency and damping.
         let averages: usize = points.map(|n| 2 * (n - NEIGHBOURS.min(n) + 1)).sum();
         let chance = SUSPECTED / (averages as f64).max(1.0);
         Self { dissipation: OWN, shift: OWN, noise: Noise::Chance(chance) }
     }
 }
 
-/// Standard deviation of the noise in values, and the degrees of freedom of that: what jumps between neighbours is noise. Of a straight line second
-/// differences leave nothing, of noise six times its variance.
+/// Standard deviation of the noise in values, and its degrees of freedom, from second differences: these vanish for a straight line, and have six
+/// times the variance of the noise.
 pub(super) fn scatter(values: &[f64]) -> (f64, f64) {
     let count = values.len().saturating_sub(2) as f64;
     let square: f64 = values.windows(3).map(|w| (w[0] - 2.0 * w[1] + w[2]).powi(2) / 6.0).sum();
-    // Neighbours among them have the correlations -4/6 and 1/6: twice the square of their mean over its variance.
+    // Neighbouring differences have the correlations -4/6 and 1/6; the degrees of freedom are twice the square of the mean of their squares over its
+    // variance.
     let freedom = 36.0 * count * count
         / (36.0 * count + 32.0 * (count - 1.0).max(0.0) + 2.0 * (count - 2.0).max(0.0)).max(1.0);
     ((square / count.max(1.0)).sqrt(), freedom)
 }
 
-/// What is missed.
+/// The quantity in which the structure departs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Quantity {
@@ -80,41 +80,40 @@ pub enum Quantity {
     Damping,
 }
 
-/// Where the structure leaves a curve.
+/// A range of a curve where the structure departs from it.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Departure {
-    /// Mode.
+    /// Name of the mode.
     pub mode: String,
-    /// What is missed.
+    /// The quantity.
     pub quantity: Quantity,
-    /// Modal displacement at which it is missed most.
+    /// Modal displacement at which the departure is largest, relative to its limit.
     pub displacement: f64,
-    /// Measured less computed there, averaged over neighbours: Hz, or a part of the damping.
+    /// Measured minus computed value there, averaged over neighbours: Hz, or relative for damping.
     pub misfit: f64,
-    /// What would pass.
+    /// Largest misfit that would pass there, in the same unit.
     pub limit: f64,
-    /// Smallest and largest modal displacement at which it is missed by more than the limit.
+    /// Smallest and largest modal displacement at which the misfit exceeds its limit.
     pub range: (f64, f64),
 }
 
 /// The verdict on the structure.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct StructureVerdict {
-    /// Whether the structure with these joints tells all curves: damping within 3 %, frequency within a tenth of its shift, or both within
-    /// noise.
+    /// Whether the structure with these joints describes all curves: damping within 3 %, frequency within a tenth of its shift, or both within noise.
     pub adequate: bool,
-    /// Where it does not, the worst first.
+    /// Departures where it does not, the worst first.
     pub departures: Vec<Departure>,
-    /// Where it does by that measure, and departs all the same by more than noise and its own errors, the worst first: another arrangement of
-    /// joints tells these curves better.
+    /// Departures within those limits that exceed noise and the computation's own errors, the worst first: another arrangement of joints would
+    /// describe these curves better.
     pub systematic: Vec<Departure>,
-    /// What may be wrong with the curves themselves, such as their units.
+    /// Possible mistakes in the curves themselves, such as wrong units.
     pub hints: Vec<String>,
-    /// All that in words.
+    /// The whole verdict in words.
     pub in_words: String,
 }
 
-/// Where one kind of values leaves what is said of them.
+/// The departure of one series of misfits, if any: index, averaged misfit and limit where it is worst, and first and last index beyond the limit.
 fn departure(misfits: &[f64], floor: f64, noise: Noise) -> Option<(usize, f64, f64, (usize, usize))> {
     let n = misfits.len();
     let width = NEIGHBOURS.min(n);
@@ -124,7 +123,7 @@ fn departure(misfits: &[f64], floor: f64, noise: Noise) -> Option<(usize, f64, f
         let reach = match noise {
             Noise::Deviations(most) => most * scatter(misfits).0,
             Noise::Chance(chance) => {
-                // The outermost differences reach one value further than their middles.
+                // The outermost second differences use one value beyond their middles.
                 let (first, last) = (from(i).saturating_sub(BESIDE + 1), from(i) + width + BESIDE + 1);
                 let (noise, freedom) = scatter(&misfits[first..last.min(n)]);
                 student_quantile(chance, freedom) * noise
@@ -139,7 +138,7 @@ fn departure(misfits: &[f64], floor: f64, noise: Noise) -> Option<(usize, f64, f
     Some((worst, mean(worst), limits[worst], (beyond[0], beyond[beyond.len() - 1])))
 }
 
-/// Where the structure leaves a curve, frequency and damping.
+/// Departures of the structure from a curve, in frequency and damping.
 pub(super) fn departures(mode: &str, points: &[Point], said: &[Said], passing: Passing) -> Vec<Departure> {
     let range = points
         .iter()
@@ -160,7 +159,7 @@ pub(super) fn departures(mode: &str, points: &[Point], said: &[Said], passing: P
 }
 
 impl StructureVerdict {
-    /// Of all departures beyond what passes, of those beyond noise, and of what may be wrong with curves that are left.
+    /// Makes the verdict from all departures beyond the passing limits, those beyond noise, and possible mistakes in the curves.
     pub(super) fn new(
         mut departures: Vec<Departure>,
         mut systematic: Vec<Departure>,
@@ -197,7 +196,7 @@ impl StructureVerdict {
 }
 
 impl Departure {
-    /// In words.
+    /// The departure in words.
     #[must_use]
     pub fn in_words(&self) -> String {
         let more = if self.misfit > 0.0 { "above" } else { "below" };
@@ -217,7 +216,7 @@ impl Departure {
     }
 }
 
-/// Hints behind a sentence.
+/// The hints, each after a semicolon, to be put behind a sentence.
 pub(super) fn appended(hints: &[String]) -> String {
     hints.iter().fold(String::new(), |all, hint| all + "; " + hint)
 }
@@ -228,7 +227,7 @@ mod tests {
 
     #[test]
     fn a_bend_is_told_from_noise_and_its_place_is_named() {
-        // Noise of 1 % that jumps: no departure.
+        // Noise of 1 % that jumps from point to point is no departure.
         let noise = |i: usize| if (i * 7).is_multiple_of(3) { 0.01 } else { -0.006 };
         let flat: Vec<f64> = (0..30).map(noise).collect();
         let repeats = Passing::REPEATS.noise;
@@ -239,7 +238,7 @@ mod tests {
         assert!(worst >= 27 && misfit > 0.05 && first > 22 && last == 29, "{worst} {misfit} {first}");
     }
 
-    /// Of 200 updates with four series of 25 misfits each that are noise alone, be it even or growing with the amplitude, about one in twenty is suspected.
+    /// In 200 updates with four series of 25 misfits that are noise alone, even or growing with the amplitude, about one in twenty must be suspected.
     #[test]
     fn noise_alone_is_suspected_in_one_of_twenty() {
         let mut random = iwan_core::SplitMix64::new(7);

@@ -1,4 +1,4 @@
-//! From files to modes that share joints.
+//! `iwan fit --coupled` from files to fitted modes that share joints.
 
 use std::sync::atomic::AtomicBool;
 
@@ -10,7 +10,7 @@ use crate::failure::Failure;
 use crate::fit::args::FitArgs;
 use crate::session::{PAGE, SUMMARY, Session};
 
-/// The results.
+/// File with the whole summary.
 const WHOLE: &str = "fit.json";
 const SCENARIO: &str = "scenario.toml";
 
@@ -33,7 +33,7 @@ pub(crate) fn fit(args: &FitArgs) -> Result<(), Failure> {
     session.finish(&results.summary)
 }
 
-/// The fit, beside the main thread, which watches for Ctrl-C.
+/// Runs the fit beside the main thread, which watches for Ctrl-C.
 fn run(measured: &Measured, shape: &[f64], session: &Session) -> Result<CoupledFit, Failure> {
     let place = measured.records.iter().map(|r| r.name.as_str()).collect::<Vec<_>>().join(", ");
     let (measured, threads, shape) = (measured.clone(), session.threads(), shape.to_vec());

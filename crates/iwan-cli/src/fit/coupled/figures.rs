@@ -1,4 +1,4 @@
-//! Records beside what the models say of them.
+//! Figures of the records beside the responses of the fitted models.
 
 use iwan_ident::coupled::{CoupledFit, CoupledRecord, FittedSharing, Sharing};
 use iwan_ident::curves::Quantity;
@@ -6,7 +6,7 @@ use iwan_ident::curves::Quantity;
 use crate::page::decimate::{STRETCHES, history};
 use crate::page::figure::{Axis, Figure, Layer, Mark, colour};
 
-/// Records and models, record by record; the first are those fitted.
+/// Measured and modelled responses, record by record: first the figures of the fitted records, then those of the held-out ones.
 pub(super) fn figures(
     fit: &CoupledFit,
     records: &[CoupledRecord],

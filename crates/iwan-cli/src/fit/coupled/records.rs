@@ -16,12 +16,12 @@ use crate::fit::args::FitArgs;
 use crate::identified::extract;
 use crate::records::{self, Extraction, Recording, Wanted};
 
-/// Parameters of a mode whose curves tell none: it begins with a joint of 2 % of its stiffness that the record does not quite bring to
-/// macro-slip.
+/// Start values of a mode whose curves give none. K_T is this share, 2 %, of the modal stiffness ω², and F_S = K_T times the largest displacement, so
+/// that the record does not quite reach macro-slip. (`UNTOLD`: damping ratio, χ, β.)
 const JOINT_SHARE: f64 = 0.02;
 const UNTOLD: (f64, f64, f64) = (1e-3, -0.3, 0.1);
 
-/// What is fitted.
+/// The records and modes of a coupled fit.
 #[derive(Debug, Clone)]
 pub(crate) struct Measured {
     pub(crate) records: Vec<CoupledRecord>,
@@ -33,13 +33,13 @@ pub(crate) struct Measured {
 }
 
 impl Measured {
-    /// Reads all files and looks the modes up by their bands or shapes.
+    /// Reads all files and identifies the modes in them by bands or shapes.
     pub(super) fn read(args: &FitArgs) -> Result<Self, Failure> {
         let load = args.load.as_deref();
         let fitted = files(&args.fit, args, load)?;
         let held = files(&args.held_out, args, load)?;
         let seen = if args.records.shapes.is_some() { Seen::Modes } else { Seen::Sum };
-        // A channel that no shape has may be the load.
+        // A channel for which the file of shapes has no value may be the load.
         let modes = |recordings: &[Recording]| {
             let found = records::modes(recordings, &args.records);
             found.map_err(|failure| match load {
@@ -50,7 +50,7 @@ impl Measured {
         Self::new(&fitted, &held, seen, args.method.method(), modes)
     }
 
-    /// Takes modes out of recordings that are fitted and others that are kept out.
+    /// Extracts the modes from the recordings that are fitted and those that are held out.
     pub(crate) fn new(
         fitted: &[Loaded],
         held: &[Loaded],
@@ -114,7 +114,7 @@ impl Measured {
         Ok(Self { records, held_out, modes, quantity, seen, warnings })
     }
 
-    /// The fit of it; results do not depend on `threads`.
+    /// The task of the fit to these records; results do not depend on `threads`.
     pub(crate) fn task<'a>(
         &'a self,
         shape_at_force: Option<&'a [f64]>,
@@ -139,7 +139,7 @@ impl Measured {
 /// A recording with its load, where that is known.
 pub(crate) type Loaded = (Recording, Option<Vec<f64>>);
 
-/// Recordings with their loads.
+/// Reads the files; with `load`, the channel of that name becomes the force of each recording.
 fn files(paths: &[std::path::PathBuf], args: &FitArgs, load: Option<&str>) -> Result<Vec<Loaded>, Failure> {
     let Some(load) = load else {
         let mut recordings = records::read_all(paths, &args.records)?;
@@ -169,7 +169,7 @@ fn files(paths: &[std::path::PathBuf], args: &FitArgs, load: Option<&str>) -> Re
     Ok(all)
 }
 
-/// What is to be said where a force is left out and no load is named.
+/// A warning where a force channel is left out of the analysis and --load names no channel.
 fn without_load(record: &Record) -> Option<String> {
     let left_out = |warning: &Warning| match warning {
         Warning::LeftOut { name, reason } if reason.contains(&iwan_io::Quantity::Force.to_string()) => {
@@ -183,7 +183,7 @@ fn without_load(record: &Record) -> Option<String> {
     ))
 }
 
-/// One channel of a file, whatever it measures.
+/// Reads one channel of a file, whatever quantity it measures.
 fn channel(path: &Path, args: &FitArgs, name: &str) -> Result<Record, Failure> {
     let options = options(args, vec![name.into()]);
     let place = path.display().to_string();
@@ -211,10 +211,10 @@ fn options(args: &FitArgs, channels: Vec<String>) -> ReadOptions {
     }
 }
 
-/// The mode without the others, off its curves: where a search starts.
+/// Parameters of the mode alone, fitted to its own curves: the start values of the coupled search.
 fn by_itself(extractions: &[Extraction]) -> Parameters {
     let curves: Vec<_> = extractions.iter().map(|x| x.curves.clone()).collect();
-    // The loudest record shows most of the joint.
+    // The record with the largest displacement shows most of the joint.
     let largest = |c: &iwan_ident::curves::Curves| c.displacement.iter().copied().fold(0.0, f64::max);
     let loudest = curves.iter().max_by(|a, b| largest(a).total_cmp(&largest(b)));
     let first = loudest.and_then(|c| start(c).ok()).map(|s| s.parameters);
@@ -228,14 +228,16 @@ fn by_itself(extractions: &[Extraction]) -> Parameters {
     Parameters { frequency, damping_ratio, k_t, f_s: k_t * top.max(f64::MIN_POSITIVE), chi, beta }
 }
 
-/// A free decay from behind the blow on, a forced record from its first sample; to where the modes sink into noise.
+/// Cuts a record to the samples that are used: a free decay begins once the blow is over, a forced record at its first sample; both end where the
+/// modes sink into noise.
 fn cut(record: &mut CoupledRecord, slowest: f64, end: Option<usize>) {
     let samples = record.motions[0].len();
     let mut first = 0;
     if record.force.is_none() {
         let size = |n: usize| record.motions.iter().map(|m| m[n].abs()).fold(0.0, f64::max);
         let largest = (0..samples).max_by(|a, b| size(*a).total_cmp(&size(*b))).unwrap_or(0);
-        // A blow at the first sample is over: else half a period of the slowest mode is longer than any hammer's pulse.
+        // A largest motion at the very beginning means that the blow was over before the record began. Otherwise half a period of the slowest mode is
+        // skipped, which is longer than any hammer's pulse.
         let behind = (0.5 / (slowest * record.dt)).ceil() as usize;
         first = if largest < behind { largest } else { largest + behind };
     }

@@ -8,7 +8,7 @@ use crate::page::figure::Figure;
 use crate::page::html::{grid, page, warnings};
 use crate::page::numbers::{interval, long, short};
 
-/// The page; `fitted` and `predicted` are the figures of the records.
+/// The page; `fitted` and `predicted` are the figures of the fitted and the held-out records.
 pub(super) fn render(summary: &CoupledSummary, [fitted, predicted]: [&[Figure]; 2], toml: &str) -> String {
     let body = html! {
         h1 { (summary.title) }

@@ -1,4 +1,4 @@
-//! What is written of a fit of modes that share joints.
+//! The output of a coupled fit: summary, scenario and page.
 
 use iwan_ident::coupled::{CoupledFit, CoupledRecord};
 use iwan_input::scenario::to_toml;
@@ -9,7 +9,7 @@ use super::report::render;
 use super::scenario::scenario;
 use super::summary::CoupledSummary;
 
-/// The texts of one fit.
+/// The outputs of one fit as texts.
 #[derive(Debug)]
 pub(crate) struct CoupledResults {
     pub(crate) summary: CoupledSummary,
@@ -18,7 +18,7 @@ pub(crate) struct CoupledResults {
 }
 
 impl CoupledResults {
-    /// Of what was measured and found.
+    /// Makes the outputs from the measured records and the fit.
     pub(crate) fn new(measured: &Measured, found: &CoupledFit) -> Self {
         let names: Vec<String> = measured.modes.iter().map(|m| m.name.clone()).collect();
         let files = |records: &[CoupledRecord]| records.iter().map(|r| r.name.clone()).collect::<Vec<_>>();

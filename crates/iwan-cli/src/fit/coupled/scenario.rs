@@ -8,13 +8,13 @@ use iwan_sim::{JointLaw, Mode, Point, Settings, SharedJoint};
 
 use super::summary::joint_name;
 
-/// Steps in a cycle of the fastest mode.
+/// Time steps per cycle of the fastest mode.
 const STEPS: f64 = 100.0;
-/// The point where the sensor sees the sum of the modes.
+/// Name of the point at which the sensor measures the sum of the modes.
 const SENSOR: &str = "sensor";
 
-/// Modes and joints of the chosen model. A free decay begins where the loudest record does; after a blow the modes have the velocities that
-/// its impulse gives them.
+/// Modes and joints of the chosen model as a scenario. A free decay starts from the initial motion of the record with the largest motion; for records
+/// of a blow the modes start with the velocities that the blow's impulse gives them.
 pub(super) fn scenario(
     title: &str,
     fit: &CoupledFit,

@@ -1,4 +1,4 @@
-//! What a fit of modes that share joints says.
+//! The summary of a fit of modes that share joints.
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -10,7 +10,7 @@ use serde::Serialize;
 use crate::page::numbers::{interval, long};
 use crate::session::Summary;
 
-/// A linear oscillator.
+/// A mode as linear oscillator, with its shape values at force and sensor where these were sought.
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct CoupledModeSummary {
     pub(crate) name: String,
@@ -30,9 +30,9 @@ pub(crate) struct CoupledJointSummary {
     pub(crate) f_s: Estimated,
     pub(crate) chi: Estimated,
     pub(crate) beta: Estimated,
-    /// Slip in a unit displacement of each mode that moves it.
+    /// Slip per unit displacement of each mode that moves the joint, by name of the mode.
     pub(crate) participation: BTreeMap<String, Estimated>,
-    /// Compliance through the modes left out, times K_T.
+    /// Static compliance that the modes left out of the model give the joint, times K_T; dimensionless.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) compliance_k_t: Option<Estimated>,
 }
@@ -59,14 +59,14 @@ pub(crate) struct ModelSummary {
     pub(crate) converged: bool,
 }
 
-/// A combination of unknowns, and how well it is told.
+/// A combination of unknowns and its standard deviation; null where the records do not determine it.
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct CombinationSummary {
     pub(crate) deviation: Option<f64>,
     pub(crate) combination: String,
 }
 
-/// All of it.
+/// The whole summary.
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct CoupledSummary {
     pub(crate) title: String,
@@ -81,11 +81,11 @@ pub(crate) struct CoupledSummary {
     pub(crate) warnings: Vec<String>,
 }
 
-/// Shares of a combination below this are not named.
+/// Unknowns whose share of a combination is below this are not named in it.
 const NAMED: f64 = 0.2;
 
 impl CoupledSummary {
-    /// Of a fit; `names` are those of the modes, `records` and `held_out` those of the files.
+    /// Makes the summary of a fit; `names` are the names of the modes, `records` and `held_out` those of the files.
     pub(super) fn new(
         fit: &CoupledFit,
         names: &[String],
@@ -141,7 +141,7 @@ impl CoupledSummary {
         }
     }
 
-    /// Without the long lists.
+    /// The summary without its long lists.
     pub(super) fn short(&self) -> Self {
         Self { told: Vec::new(), ..self.clone() }
     }
@@ -153,7 +153,7 @@ fn find(estimates: &[CoupledEstimate], unknown: Unknown) -> Option<Estimated> {
     Some(Estimated { value, low, high, identifiable: found.identifiable() })
 }
 
-/// What a joint is called.
+/// Name of joint number `j`.
 pub(super) fn joint_name(sharing: Sharing, j: usize, names: &[String]) -> String {
     match sharing {
         Sharing::Uncoupled => format!("joint of {}", names[j]),
@@ -212,7 +212,7 @@ fn told(fit: &CoupledFit, names: &[String]) -> Vec<CombinationSummary> {
             combination: words.collect::<Vec<_>>().join(" "),
         }
     };
-    // A combination of beginnings alone has no name here.
+    // A combination of initial displacements and velocities alone names nothing that the user asked for, and is left out.
     fit.combinations.iter().map(one).filter(|c| !c.combination.is_empty()).collect()
 }
 
@@ -242,7 +242,7 @@ impl Summary for CoupledSummary {
 }
 
 impl CoupledSummary {
-    /// Every estimate with what it is of.
+    /// Every estimate as a row: the mode or joint, the quantity, and the value with its interval.
     pub(super) fn rows(&self) -> Vec<(&str, String, Estimated)> {
         let mut rows = Vec::new();
         for mode in &self.modes {
@@ -256,7 +256,7 @@ impl CoupledSummary {
             let name = joint.name.as_str();
             let four = [("K_T", joint.k_t), ("F_S", joint.f_s), ("chi", joint.chi), ("beta", joint.beta)];
             rows.extend(four.into_iter().map(|(label, e)| (name, label.to_string(), e)));
-            // The first is 1 by the choice of units.
+            // The first participation is 1 by the choice of units and is no estimate.
             let sought = joint.participation.iter().filter(|(_, e)| e.low != e.high || e.low.is_none());
             rows.extend(sought.map(|(mode, e)| (name, format!("slip in {mode}"), *e)));
             rows.extend(joint.compliance_k_t.map(|e| (name, "compliance times K_T".into(), e)));

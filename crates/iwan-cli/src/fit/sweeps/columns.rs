@@ -1,4 +1,4 @@
-//! Named columns of any file: text, MATLAB, NumPy; and the frequency responses of universal files.
+//! Named columns of a file (text, MATLAB, NumPy), or the frequency responses of a universal file.
 
 use std::path::Path;
 
@@ -6,7 +6,7 @@ use iwan_io::{Format, ReadError, ReadOptions, UffFunction, read_modal_test, read
 
 use crate::failure::Failure;
 
-/// Columns of equal length by name, or frequency responses.
+/// Content of a file: columns of equal length by name, or frequency responses.
 #[derive(Debug)]
 pub(crate) enum Content {
     Columns(Vec<(String, Vec<f64>)>),
@@ -26,11 +26,11 @@ pub(crate) fn read(path: &Path) -> Result<Content, Failure> {
         let options = ReadOptions { format: Some(Format::Uff), ..ReadOptions::default() };
         return Ok(Content::Responses(read_modal_test(path, &options).map_err(refused)?.responses));
     }
-    // Arrays of equal length; a rate says that none of them is a time.
+    // Arrays of equal length are read as columns; a given rate makes the reader look for no time vector among them.
     let options = ReadOptions { rate: Some(1.0), ..ReadOptions::default() };
     let test = read_modal_test(path, &options).map_err(refused)?;
     let channels = test.measurements.into_iter().flat_map(|m| m.channels);
-    // A field of a struct is called by its own name.
+    // A field of a struct is called by the last part of its name.
     let own = |name: String| name.rsplit('.').next().unwrap_or_default().to_string();
     Ok(Content::Columns(channels.map(|c| (own(c.name), c.samples)).collect()))
 }

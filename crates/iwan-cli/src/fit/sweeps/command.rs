@@ -1,4 +1,4 @@
-//! From the files of a shaker's test to the results.
+//! `iwan fit --sweep --backbone` from the files of a shaker's test to the results.
 
 use std::path::Path;
 
@@ -14,14 +14,14 @@ use crate::failure::Failure;
 use crate::fit::args::FitArgs;
 use crate::session::{PAGE, SUMMARY, Session};
 
-/// The results.
+/// File with the whole summary.
 const WHOLE: &str = "fit.json";
 const SCENARIO: &str = "scenario.toml";
-/// Measured points beside what the mode predicts.
+/// File with the measured points and the predictions of the fitted mode.
 const CURVES: &str = "curves.csv";
 
-/// Fits the sweeps and backbones of `args`, with ring-downs where there are any; `identify` finds these once the files of the sweeps
-/// are read.
+/// Fits the sweeps and backbones of `args`, together with ring-downs where there are any. `identify` reads and identifies the ring-downs; it is
+/// called once the files of the sweeps have been read.
 pub(crate) fn fit(
     args: &FitArgs,
     identify: impl FnOnce(&mut Session) -> Result<Option<RingDowns>, Failure>,
@@ -47,7 +47,7 @@ pub(crate) fn fit(
     session.finish(&results.summary)
 }
 
-/// The fit, beside the main thread, which watches for Ctrl-C.
+/// Runs the fit beside the main thread, which watches for Ctrl-C.
 fn fitted(test: &ShakerTest, hold: &[(Parameter, f64)], session: &Session) -> Result<SteadyFit, Failure> {
     let place = test.measurements.iter().map(|m| m.file.as_str()).collect::<Vec<_>>().join(", ");
     let (test, hold) = (test.clone(), hold.to_vec());

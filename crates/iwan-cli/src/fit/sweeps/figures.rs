@@ -1,4 +1,4 @@
-//! Measured points over what the fitted mode predicts.
+//! Figures of the measured points over the predictions of the fitted mode.
 
 use std::f64::consts::TAU;
 
@@ -12,9 +12,9 @@ use crate::page::numbers::short;
 
 /// Colours of the levels, in turn.
 const COLOURS: [&str; 5] = [colour::BLUE, colour::VERMILLION, colour::GREEN, colour::PURPLE, colour::ORANGE];
-/// Levels with a name in the legend at most.
+/// Most levels that have a name in the legend.
 const NAMED: usize = 8;
-/// Amplitudes of a predicted backbone.
+/// Number of amplitudes of a predicted backbone.
 const POINTS: usize = 121;
 /// How far a predicted backbone runs beyond the measured amplitudes, as a factor.
 const BEYOND: f64 = 3.0;
@@ -26,7 +26,7 @@ pub(super) struct Shown<'a> {
     pub(super) informed: [f64; 2],
 }
 
-/// Amplitude, phase and receptance of a response.
+/// Amplitude, phase and receptance of a frequency response.
 pub(super) fn responses(shown: &Shown<'_>) -> Vec<Figure> {
     let SteadyData::Response(points) = &shown.measurement.data else { return Vec::new() };
     let mut amplitude = layers(shown, points, |p| p.amplitude, |c| c[1]);
@@ -83,7 +83,7 @@ fn name(level: &Level) -> String {
         .map_or_else(|| "measured".into(), |(control, value)| format!("{} {}", control.name(), short(value)))
 }
 
-/// Frequency and damping against amplitude: what points in resonance show, and what the mode says.
+/// Frequency and damping against amplitude: from the measured points in resonance, and of the fitted mode.
 pub(super) fn backbones(mode: &Mode, fit: &SteadyFit, measurements: &[Measurement]) -> Vec<Figure> {
     let [low, high] = fit.informed;
     let at = |i: usize| low * (BEYOND * high / low).powf(i as f64 / (POINTS - 1) as f64);
@@ -119,9 +119,10 @@ pub(super) fn backbones(mode: &Mode, fit: &SteadyFit, measurements: &[Measuremen
     ]
 }
 
-/// Amplitude, frequency (Hz) and damping (%) that a measurement shows without a law.
+/// Amplitude, frequency (Hz) and damping (%) of the measured points, computed without a law.
 fn shown(measurement: &Measurement, others: f64) -> Vec<[f64; 3]> {
-    /// Points whose dynamic stiffness is at most this many times its imaginary part: a third of the force is damping's.
+    /// A response point counts as resonant where the magnitude of its dynamic stiffness is at most this many times the imaginary part: damping then
+    /// carries at least a third of the force.
     const RESONANT: f64 = 3.0;
     match &measurement.data {
         SteadyData::Backbone(points) => {
@@ -133,7 +134,7 @@ fn shown(measurement: &Measurement, others: f64) -> Vec<[f64; 3]> {
                 let re = p.amplitude * p.phase.cos() - others * p.force;
                 let im = p.amplitude * p.phase.sin();
                 let square = re * re + im * im;
-                // Z = f/u.
+                // Dynamic stiffness Z = f/u, u the response without the other modes' static part.
                 let (stiffness, loss) = (p.force * re / square, -p.force * im / square);
                 let omega = TAU * p.frequency;
                 let k = stiffness + omega * omega;

@@ -10,44 +10,44 @@ use iwan_sim::Control;
 use super::columns::Content;
 use crate::failure::Failure;
 
-/// A held quantity varies by less than this part (standard deviation), or nothing is held: controllers keep a level within some per
-/// cent, and a resonance raises what is not held by tens.
+/// A quantity counts as held where its relative standard deviation over a level is below this. Controllers keep a level within some per cent, and a
+/// quantity that is not held varies by tens of per cent through a resonance.
 const HELD: f64 = 0.1;
 
 /// One file.
 #[derive(Debug, Clone)]
 pub(crate) struct Measurement {
     pub(super) file: String,
-    /// Mass-normalised.
+    /// Points in mass-normalised modal coordinates.
     pub(crate) data: SteadyData,
     /// Levels of a response, in the order of the file.
     pub(super) levels: Vec<Level>,
 }
 
-/// Points of a response that belong together.
+/// Points of a response that were measured at one level.
 #[derive(Debug, Clone)]
 pub(super) struct Level {
-    /// What was held, and at which value in the modal coordinate; none where nothing was.
+    /// The quantity that was held and its value in the modal coordinate; none where nothing was held.
     pub(super) held: Option<(Control, f64)>,
-    /// Its points among those of the file.
+    /// Indices of the level's points among those of the file.
     pub(super) points: Vec<usize>,
 }
 
-/// What a file's motions are and how they become modal ones.
+/// How the motions and forces of a file become modal ones.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Scaling<'a> {
-    /// Modal mass: q = √mass x, modal force = force/√mass.
+    /// Modal mass: modal displacement q = √mass x, modal force = force/√mass.
     pub(crate) mass: f64,
-    /// Levels of the functions of universal files, in their order.
+    /// Force levels of the functions of a universal file, in the order of the file.
     pub(crate) levels: &'a [f64],
 }
 
-/// Names under which a motion stands, and how often the displacement was differentiated.
+/// Names of columns that hold a motion, each with the number of times the displacement was differentiated.
 const MOTIONS: [(&str, i32); 4] =
     [("amplitude", 0), ("displacement", 0), ("velocity", 1), ("acceleration", 2)];
 
 impl Measurement {
-    /// Responses: columns frequency, a motion, phase, excitation (or force) and perhaps level; or functions of a universal file.
+    /// Reads responses: columns frequency, a motion, phase, excitation (or force) and optionally level; or functions of a universal file.
     pub(crate) fn response(file: String, content: Content, scaling: Scaling<'_>) -> Result<Self, Failure> {
         let (points, numbers) = match content {
             Content::Columns(columns) => of_columns(&file, &columns)?,
@@ -71,7 +71,7 @@ impl Measurement {
         Ok(Self { file, levels, data: SteadyData::Response(points) })
     }
 
-    /// A table frequency, damping_ratio, amplitude.
+    /// Reads a backbone: columns frequency, damping_ratio and a motion.
     pub(crate) fn backbone(file: String, content: Content, scaling: Scaling<'_>) -> Result<Self, Failure> {
         let Content::Columns(columns) = content else {
             let message =
@@ -93,7 +93,7 @@ impl Measurement {
     }
 }
 
-/// A file's columns.
+/// The columns of a file.
 struct Table<'a> {
     file: &'a str,
     columns: &'a [(String, Vec<f64>)],
@@ -140,7 +140,7 @@ impl<'a> Table<'a> {
     }
 }
 
-/// Points, and the number of the level of each.
+/// Response points of a table, and the number of the level of each point.
 fn of_columns(file: &str, columns: &[(String, Vec<f64>)]) -> Result<(Vec<ResponsePoint>, Vec<f64>), Failure> {
     let table = Table { file, columns };
     table.one_mode()?;
@@ -149,7 +149,7 @@ fn of_columns(file: &str, columns: &[(String, Vec<f64>)]) -> Result<(Vec<Respons
     let (phase, force) = (table.needed(&["phase"])?, table.needed(&["excitation", "force"])?);
     let point = |i: usize| {
         let rate = (TAU * frequency[i]).powi(power);
-        // Each derivative leads the displacement by a quarter of a turn.
+        // Each time derivative leads the displacement by a quarter of a cycle.
         let phase = phase[i] - 0.5 * PI * f64::from(power);
         ResponsePoint { frequency: frequency[i], amplitude: motion[i] / rate, phase, force: force[i] }
     };
@@ -158,7 +158,7 @@ fn of_columns(file: &str, columns: &[(String, Vec<f64>)]) -> Result<(Vec<Respons
     Ok((points, numbers))
 }
 
-/// Frequency responses at levels that the file does not say.
+/// Response points of frequency responses; `levels` are their force amplitudes, which a universal file does not hold.
 fn of_functions(
     file: &str,
     functions: &[UffFunction],
@@ -186,7 +186,7 @@ fn of_functions(
         };
         for (i, (re, im)) in function.re.iter().zip(&function.im).enumerate() {
             let frequency = function.start + i as f64 * function.step;
-            // Nothing moves at 0 Hz, and a response of nothing was not measured.
+            // At 0 Hz nothing moves, and a response of exactly 0 was not measured.
             if frequency > 0.0 && re.hypot(*im) > 0.0 {
                 let amplitude = force * re.hypot(*im) / (TAU * frequency).powi(power);
                 let phase = im.atan2(*re) - 0.5 * PI * f64::from(power);
@@ -198,7 +198,7 @@ fn of_functions(
     Ok((points, numbers))
 }
 
-/// What the points of a level hold: the quantity that varies least, if it varies little.
+/// The quantity that varies least over the points of a level, with its value; none where even this quantity varies by [`HELD`] or more.
 fn held(points: &[&ResponsePoint]) -> Option<(Control, f64)> {
     let of = |control: Control, value: fn(&ResponsePoint) -> f64| {
         let logs = || points.iter().map(move |p| value(p).ln());
@@ -240,7 +240,7 @@ mod tests {
         };
         assert!(of_functions("frf.uff", std::slice::from_ref(&function), &[]).is_err());
         let (points, _) = of_functions("frf.uff", &[function], &[3.0]).unwrap();
-        // Nothing at 0 Hz; below resonance the displacement is in phase with the force, above against it.
+        // The point at 0 Hz is left out; below resonance the displacement is in phase with the force, above in opposition to it.
         assert_eq!(points.len(), 3);
         assert!((points[0].amplitude - 3.0 / (TAU * TAU * (25.0 - 4.0))).abs() < 1e-12);
         assert!(points[0].phase.sin().abs() < 1e-12 && points[0].phase.cos() > 0.0);

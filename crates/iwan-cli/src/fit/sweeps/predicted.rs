@@ -1,4 +1,4 @@
-//! What the fitted mode predicts where it was measured.
+//! Predictions of the fitted mode at the measured levels.
 
 use iwan_core::FourParameter;
 use iwan_ident::sweeps::{SteadyData, SteadyFit};
@@ -7,10 +7,10 @@ use iwan_sim::{JointLaw, Mode, Sweep, forced_response};
 use super::measurement::Measurement;
 use crate::failure::Failure;
 
-/// How far a predicted curve runs beyond the measured frequencies, as a part of their range.
+/// Predicted curves extend beyond the measured frequencies by this part of the measured range, on either side.
 const BEYOND: f64 = 0.05;
 
-/// The fitted mode by itself.
+/// The fitted mode as a mode of the library.
 pub(super) fn mode(name: &str, fit: &SteadyFit) -> Result<Mode, Failure> {
     let p = fit.parameters;
     let joint = FourParameter::new(p.k_t, p.f_s, p.chi, p.beta);
@@ -21,15 +21,16 @@ pub(super) fn mode(name: &str, fit: &SteadyFit) -> Result<Mode, Failure> {
     })
 }
 
-/// Frequency, amplitude and phase along the curve of a level.
+/// A predicted curve of one level; a point is [frequency in Hz, amplitude, phase in rad].
 #[derive(Debug, Clone, Default)]
 pub(super) struct Curve {
-    /// Which level of its measurement.
+    /// Index of the level in its measurement.
     pub(super) level: usize,
     pub(super) points: Vec<[f64; 3]>,
 }
 
-/// The mode's curves at the levels of a measurement, with the other modes' part, on the day of the measurement.
+/// Predicted curves at the levels of a measurement, with the static part of the other modes. `drift` is ln of the measurement's linear frequency over
+/// that of the reference (structures drift from day to day).
 pub(super) fn curves(
     mode: &Mode,
     fit: &SteadyFit,
@@ -37,7 +38,7 @@ pub(super) fn curves(
     drift: f64,
 ) -> Result<Vec<Curve>, Failure> {
     let SteadyData::Response(points) = &measurement.data else { return Ok(Vec::new()) };
-    // To first order the day moves the frequency of every amplitude alike.
+    // To first order a drift of the linear frequency moves the frequency at every amplitude by the same ratio.
     let day = drift.exp();
     let mut curves = Vec::new();
     for (n, level) in measurement.levels.iter().enumerate() {

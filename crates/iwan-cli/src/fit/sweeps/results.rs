@@ -1,4 +1,4 @@
-//! What is written of a fitted test: the summary, measured and predicted curves, the scenario and the page.
+//! The output of a fitted test: the summary, measured and predicted curves, the scenario and the page.
 
 use iwan_ident::sweeps::{SteadyData, SteadyFit};
 use iwan_input::scenario::to_toml;
@@ -44,7 +44,7 @@ impl Results {
     }
 }
 
-/// Measured and predicted points below each other: `measured` is 1 or 0.
+/// Measured and predicted points below each other; the column `measured` is 1 for measured points and 0 for predicted ones.
 fn table(test: &ShakerTest, curves: &[Vec<Curve>]) -> Vec<(&'static str, Vec<f64>)> {
     let names = ["measurement", "level", "measured", "frequency", "amplitude", "phase", "damping_ratio"];
     let mut columns = names.map(|name| (name, Vec::new()));

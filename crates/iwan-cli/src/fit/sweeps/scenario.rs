@@ -8,13 +8,13 @@ use iwan_sim::{Control, Mode, Point, Settings, Sweep};
 
 use super::measurement::Measurement;
 
-/// Samples in a cycle of the release, and cycles: `iwan simulate` shows a ring-down from the largest amplitude measured.
+/// Samples per cycle and number of cycles of the release: in this scenario `iwan simulate` computes a ring-down from the largest measured amplitude.
 const SAMPLES: f64 = 100.0;
 const CYCLES: f64 = 100.0;
-/// The point of a mode that is not mass-normalised.
+/// Name of the measured point, where the measurements are physical and not modal quantities.
 const POINT: &str = "measured";
 
-/// The scenario: the mode where it was measured, the sweep of the levels that were held alike.
+/// The scenario: the mode with its output at the measured point, and a sweep of the levels that were held.
 pub(super) fn scenario(
     title: &str,
     mode: &Mode,
@@ -42,7 +42,7 @@ pub(super) fn scenario(
     }
 }
 
-/// Band and levels of what most levels hold.
+/// A `[sweep]` over the measured band with the levels of the quantity that was held first; none where no level held anything.
 fn sweep(measurements: &[Measurement], root: Option<f64>) -> Option<SweepTable> {
     let held = || measurements.iter().flat_map(|m| &m.levels).filter_map(|level| level.held);
     let control = held().next()?.0;

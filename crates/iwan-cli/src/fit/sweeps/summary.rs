@@ -1,4 +1,4 @@
-//! What the fit of a shaker's test says: `fit.json` and the text on the terminal.
+//! The summary of the fit of a shaker's test: `fit.json` and the text on the terminal.
 
 use std::fmt::Write;
 
@@ -18,7 +18,7 @@ pub(crate) struct SweepSummary {
     pub(super) title: String,
     pub(super) records: Vec<String>,
     pub(super) measurements: Vec<MeasurementSummary>,
-    /// One mode.
+    /// The fitted mode, as a list of one.
     pub(super) modes: Vec<SteadyMode>,
     pub(super) warnings: Vec<String>,
 }
@@ -30,12 +30,12 @@ pub(super) struct MeasurementSummary {
     /// `response` or `backbone`.
     pub(super) kind: &'static str,
     pub(super) points: usize,
-    /// What was held, and its modal levels.
+    /// The quantity that was held, and below it the levels in the modal coordinate.
     pub(super) held: Option<&'static str>,
     pub(super) levels: Vec<f64>,
-    /// Linear frequency of its day beside that of the reference, Hz.
+    /// Linear frequency in this measurement minus that of the reference, Hz.
     pub(super) drift: f64,
-    /// Relative error of force and motion; of a backbone's frequency and damping.
+    /// Relative errors (standard deviations): of force and motion for a response, of frequency and damping for a backbone.
     pub(super) errors: [f64; 2],
 }
 
@@ -44,9 +44,9 @@ pub(super) struct MeasurementSummary {
 pub(super) struct SteadyMode {
     #[serde(flatten)]
     pub(super) joint: JointFit,
-    /// Smallest and largest amplitude of the modal displacement that was measured.
+    /// Smallest and largest measured amplitude of the modal displacement.
     pub(super) informed: [f64; 2],
-    /// Static flexibility of all other modes at the measured point.
+    /// Static flexibility of all other modes at the measured point, which adds to the response of the fitted mode.
     pub(super) other_modes: f64,
     pub(super) in_words: Vec<String>,
 }
@@ -79,7 +79,7 @@ impl MeasurementSummary {
 }
 
 impl SweepSummary {
-    /// Of a fit to these measurements and records.
+    /// Makes the summary of a fit to these measurements and records.
     pub(super) fn new(
         name: &str,
         records: Vec<String>,

@@ -1,4 +1,4 @@
-//! A shaker's test of one mode, with ring-downs or without, and its fit.
+//! A shaker's test of one mode, with or without ring-downs, and its fit.
 
 use iwan_ident::likelihood::Likelihood;
 use iwan_ident::sweeps::{SteadyData, SteadyFit, fit_steady};
@@ -6,16 +6,16 @@ use iwan_ident::{Error, Parameter};
 
 use super::measurement::Measurement;
 
-/// What the mode is called where no ring-down names it.
+/// Name of the mode where no ring-down gives one.
 const NAME: &str = "mode 1";
 
-/// What was measured.
+/// The measurements of a test.
 #[derive(Debug, Clone)]
 pub(crate) struct ShakerTest {
-    /// Responses first, then backbones, each in the order given.
+    /// Responses first, then backbones, each in the given order.
     pub(crate) measurements: Vec<Measurement>,
     pub(crate) ring_downs: Option<RingDowns>,
-    /// Modal mass at the measured point; none where the measurements are modal quantities.
+    /// Modal mass at the measured point; none where the measurements are modal quantities already.
     pub(crate) mass: Option<f64>,
 }
 
@@ -27,12 +27,12 @@ pub(crate) struct RingDowns {
     /// The mode's name.
     pub(crate) mode: String,
     pub(crate) likelihood: Likelihood,
-    /// Amplitudes of the modal displacement that they hold.
+    /// Smallest and largest amplitude of the modal displacement in the ring-downs.
     pub(crate) informed: Option<[f64; 2]>,
 }
 
 impl ShakerTest {
-    /// The mode's name.
+    /// Name of the mode.
     pub(super) fn mode(&self) -> &str {
         self.ring_downs.as_ref().map_or(NAME, |r| &r.mode)
     }
@@ -42,7 +42,7 @@ impl ShakerTest {
         self.ring_downs.as_ref().map_or_else(Vec::new, |r| r.files.clone())
     }
 
-    /// Fits one mode to everything; parameters of `hold` keep their values. The amplitudes informed are those of the ring-downs, too.
+    /// Fits one mode to all measurements; parameters of `hold` keep their values. The range of informed amplitudes includes that of the ring-downs.
     pub(crate) fn fit(&self, hold: &[(Parameter, f64)]) -> Result<SteadyFit, Error> {
         let data: Vec<SteadyData> = self.measurements.iter().map(|m| m.data.clone()).collect();
         let mut fit = fit_steady(&data, self.ring_downs.as_ref().map(|r| &r.likelihood), hold)?;

@@ -12,7 +12,7 @@ use crate::session::{SUMMARY, Session};
 use crate::simulate::args::SimulateArgs;
 use crate::simulate::files::{FORCE, names, write_input, write_response};
 
-/// Name of the series of frames.
+/// File that lists the frames of the animation, for ParaView.
 const SERIES: &str = "response.pvd";
 
 /// Runs the scenario and writes its results.
@@ -58,7 +58,7 @@ fn frame_names(count: usize) -> Vec<String> {
     (0..count).map(|n| format!("frame-{n:0digits$}.vtu")).collect()
 }
 
-/// Writes the pictures of the motion, where there are some.
+/// Writes the pictures (frames) of the motion, where the scenario asks for them.
 fn write_frames(session: &mut Session, truth: &Truth, frames: &[String]) -> Result<(), Failure> {
     if frames.is_empty() {
         return Ok(());

@@ -15,7 +15,7 @@ use crate::simulate::joints::{self, table};
 use crate::simulate::summary::{ROWS, SimulationSummary, StructureSummary};
 use crate::structures::picture::illustration;
 
-/// What the report is about.
+/// The contents of the report.
 #[derive(Debug)]
 pub(super) struct Reported<'a> {
     pub(crate) scenario: &'a Scenario,
@@ -25,10 +25,10 @@ pub(super) struct Reported<'a> {
     pub(crate) summary: &'a SimulationSummary,
 }
 
-/// Outputs with figures of their own: three modes and nine points, 37 kB for the two figures of each. The response file has
-/// the others.
+/// Most outputs with figures of their own: enough for three modes and nine points, at 37 kB for the two figures of each. The response file holds all
+/// outputs.
 const MOST_OUTPUTS: usize = 12;
-/// Joints with figures of their own, those that slip most: the others look alike and are in the table.
+/// Most joints with figures of their own, those that slip most: the others look alike, and the table lists them.
 const MOST_SLIPS: usize = 4;
 
 /// The page.

@@ -1,4 +1,4 @@
-//! A scenario on a structure: the run of the library, with the structure it belongs to.
+//! The run of a scenario on a structure.
 
 use std::ops::Deref;
 use std::sync::Arc;
@@ -13,7 +13,7 @@ use crate::failure::Failure;
 use crate::progress::Bar;
 use crate::structures::Linear;
 
-/// A response of a structure with all that belongs to it.
+/// The response of a structure with its linear modes and settings.
 #[derive(Debug)]
 pub(crate) struct Truth {
     pub(crate) linear: Linear,
@@ -39,7 +39,7 @@ pub(crate) fn run(
 ) -> Result<Truth, Failure> {
     let clock = Instant::now();
     let linear = Linear::computed(name, file, NamedModes::LOOKED_UP, bar)?;
-    // Beside this thread, which watches for Ctrl-C also while a matrix is factored.
+    // The run goes on another thread, so that this one notices Ctrl-C even while a matrix is factored.
     let (own, scenario, on, teller) = (linear.clone(), scenario.clone(), on.clone(), bar.teller());
     let run = bar.wait(move || {
         let task = StructureTask {

@@ -1,4 +1,4 @@
-//! What a run on a structure says about itself.
+//! The summary of a run on a structure.
 
 use iwan_fem::{History, SlipHistory};
 use iwan_input::scenario::Scenario;
@@ -9,7 +9,7 @@ use crate::simulate::summary::{
 };
 use crate::structures::Size;
 
-/// The summary of a scenario, called `name` where it has no title.
+/// Makes the summary of a scenario, which is called `name` where it has no title.
 pub(super) fn summarise(scenario: &Scenario, name: &str, truth: &Truth) -> SimulationSummary {
     let modes: Vec<ModeSummary> = (0..truth.modes.len()).map(|n| mode_summary(truth, n)).collect();
     let points = &truth.response.outputs[truth.modes.len()..];
@@ -32,7 +32,7 @@ pub(super) fn summarise(scenario: &Scenario, name: &str, truth: &Truth) -> Simul
     }
 }
 
-/// The slip ratio is that of the joint that slips most, the energies are those of the whole structure.
+/// The summary of mode `n`. Its slip ratio is that of the joint that slips most, and its energies are those of the whole structure.
 fn mode_summary(truth: &Truth, n: usize) -> ModeSummary {
     let (mode, response) = (&truth.modes[n], &truth.response);
     let history = &response.outputs[n];

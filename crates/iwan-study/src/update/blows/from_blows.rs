@@ -1,4 +1,4 @@
-//! An update from blows on several points to joints, in one call.
+//! From blows on several points to joints, in one call.
 
 use iwan_core::progress::part;
 use iwan_core::{FourParameter, Progress};
@@ -16,9 +16,9 @@ use crate::update::run::{MODES, update};
 use crate::update::task::{UpdateTask, checked, model, starts};
 use crate::update::verdict::StructureVerdict;
 
-/// Finds the joints of a structure from blows: transients of the reduced structure with all modes are held against the records of several points, as
-/// complex amplitudes about the frequencies of the named modes in Hann's windows. Where the task has curves as well, the search starts from the joints
-/// that these give; else from those of the file and others near them.
+/// Finds the joints of a structure from blows. Transients of the reduced structure with all its modes are compared with the records of several
+/// points, as complex amplitudes at the frequencies of the named modes in Hann windows. Where the task has curves as well, the search starts from the
+/// joints that the curves give, else from those of the file and others near them.
 ///
 /// # Errors
 /// As [`update`]; [`Error::Update`] for records that cannot be used.
@@ -82,7 +82,7 @@ pub fn update_from_blows(
     .concat();
     let verdict = verdict(&compared, certain.is_noise);
     if !verdict.adequate {
-        // Joints that do not tell the blows have parameters, but not those of the structure.
+        // Joints that do not describe the blows have best values, but these are not the structure's: all intervals are open.
         certain.intervals.fill(Interval::default());
     }
     let place = |k: usize| fitting.rings.beside.first_factor() + k;
@@ -107,7 +107,7 @@ pub fn update_from_blows(
     })
 }
 
-/// Where searches begin: the joints that curves gave, or those of the file and others near them.
+/// Start values of the search: the joints that the curves gave, or those of the file and others near them.
 fn beginnings(task: &UpdateTask<'_>, from_curves: Option<&Update>, modes: &[String]) -> Vec<Vec<f64>> {
     let mut all = starts(task, &[], modes.len());
     let Some(found) = from_curves else { return all };
@@ -126,7 +126,7 @@ fn beginnings(task: &UpdateTask<'_>, from_curves: Option<&Update>, modes: &[Stri
     vec![x]
 }
 
-/// An update without curves.
+/// An empty update, without curves.
 fn nothing() -> Update {
     Update {
         groups: Vec::new(),
@@ -170,7 +170,7 @@ fn joints(task: &UpdateTask<'_>, certain: &Certain) -> Vec<JointUpdate> {
     task.groups.iter().enumerate().map(one).collect()
 }
 
-/// Every gate with what was measured and what the structure does.
+/// Every gate (one mode at one point) with the measured and the computed amplitudes.
 fn compared(
     rings: &Rings<'_>,
     (before, after): (&[f64], &[f64]),
@@ -189,7 +189,7 @@ fn compared(
         for (g, gate) in blow.gates.iter().enumerate() {
             let sizes = |pairs: &[f64]| -> Vec<f64> {
                 let (re, im) = pairs.split_at(pairs.len() / 2);
-                // Of an entry, which is √(length/3) times the amplitude.
+                // An entry of a gate is √(length/3) times the amplitude; this factor turns it back.
                 let unit = (3.0 / gate.sums.length() as f64).sqrt();
                 re.iter().zip(im).map(|(re, im)| unit * re.hypot(*im)).collect()
             };
@@ -211,12 +211,12 @@ fn compared(
     Ok(all)
 }
 
-/// What the blows say of the structure.
+/// The verdict of the blows on the structure.
 fn verdict(compared: &[ComparedBlow], is_noise: bool) -> StructureVerdict {
     let fitted = compared.iter().filter(|blow| !blow.held_out);
     let worst = fitted.max_by(|a, b| a.after.total_cmp(&b.after));
     let limit = if is_noise { MOST_EXCUSED } else { MISSED };
-    // What is no number is no match.
+    // A misfit that is not a number counts as missed.
     let missed = worst.filter(|worst| worst.after.is_nan() || worst.after > limit);
     let in_words = match (missed, worst) {
         (Some(worst), _) => format!(

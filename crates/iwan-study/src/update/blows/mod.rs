@@ -1,4 +1,4 @@
-//! Joints of a structure from blows on several points: the motion itself is compared, by transients of the reduced structure.
+//! Joints of a structure from blows on several points: the motion itself is compared, with transients of the reduced structure.
 
 mod struck;
 mod rings;

@@ -1,4 +1,5 @@
-//! The structure's ring-downs beside the measured ones, as residuals.
+//! Residuals between the computed and the measured ring-downs. Gate, in this folder: the complex amplitudes of one mode at one point, in windows
+//! along the record.
 
 use std::ops::Range;
 
@@ -10,46 +11,46 @@ use iwan_machine::threads::in_parallel;
 use super::struck::Timed;
 use crate::update::model::{Beside, DAMPING_UNIT, law};
 
-/// Steps of one-sided differences of whole runs, in coordinates of order one, as in fits of modes that share joints: a run is smooth but for creases of
-/// the size of a slider's share, over which a step must reach.
+/// Step of one-sided differences of whole runs, in coordinates of order one, as in fits of modes that share joints. A run is smooth except for
+/// creases of the size of one slider's share, and the step must be wider than these.
 const STEP: f64 = 3e-4;
-/// Relative deviation that a first search counts with.
+/// Relative standard deviation of the amplitudes that the first search assumes.
 const FIRST: f64 = 0.02;
-/// A point near a node of a mode shows little of it: amplitudes count as if there were at least this part of the largest of the blow.
+/// A point near a node of a mode shows little of the mode: its amplitudes count as if they were at least this part of the largest of the blow.
 const LEAST: f64 = 0.02;
-/// Sliders of each joint: 100 hold the dissipation within 0.5 %.
+/// Number of sliders of each joint: 100 hold the dissipation within 0.5 %.
 const BINS: usize = 100;
-/// So many times the steps and the sliders are held against these where a search ended.
+/// Factor by which steps and sliders are refined in the runs that check the coarse ones, at the point where a search ended.
 const FINER: usize = 4;
 
-/// Structure, unknowns and blows; the unknowns are those of the curves.
+/// Structure, unknowns and blows; the unknowns are those of the fit of curves.
 #[derive(Debug, Clone)]
 pub(super) struct Rings<'a> {
     pub(super) beside: Beside<'a>,
-    /// Whether each compared mode has viscous damping of its own.
+    /// Whether each compared mode has an unknown viscous damping of its own.
     pub(super) viscous: bool,
     pub(super) blows: Vec<Timed>,
     pub(super) load: InCoordinates,
     pub(super) outputs: Vec<Vec<InCoordinates>>,
-    /// Frequencies of the modes compared, Hz, of the structure as given.
+    /// Frequencies of the compared modes in the structure as given, Hz.
     pub(super) frequencies: Vec<f64>,
-    /// Deviation of each gate of each blow.
+    /// Standard deviation of the amplitudes of each gate, by blow.
     pub(super) deviations: Vec<Vec<f64>>,
     pub(super) threads: usize,
-    /// Samples of each blow that count.
+    /// Number of samples of each blow that are used.
     pub(super) samples: Vec<usize>,
-    /// Unknowns that the blows do not feel: derivatives with respect to them are taken as zero.
+    /// Unknowns to which the blows are insensitive; derivatives with respect to them are taken as zero.
     pub(super) unfelt: Vec<usize>,
 }
 
-/// What a blow does to the structure: amplitudes by gate, and the largest slips.
+/// The computed response to a blow: amplitudes by gate, and the largest value of each slip.
 pub(super) struct Rung {
     pub(super) amplitudes: Vec<Vec<f64>>,
     pub(super) slips: Vec<f64>,
 }
 
 impl<'a> Rings<'a> {
-    /// All of the blows.
+    /// All blows, in full length.
     pub(super) fn new(
         beside: Beside<'a>,
         viscous: bool,
@@ -63,7 +64,7 @@ impl<'a> Rings<'a> {
         Self { beside, viscous, blows, load, outputs, frequencies, deviations, threads, samples, unfelt }
     }
 
-    /// Takes the first share of each blow, and never less than two windows of its slowest mode.
+    /// Limits each blow to the given share of its samples from the beginning, but to no less than two windows of its slowest mode.
     pub(super) fn take(&mut self, share: f64) {
         let taken = |blow: &Timed| {
             let longest = blow.gates.iter().map(|gate| gate.sums.length()).max().unwrap_or(1);
@@ -72,12 +73,12 @@ impl<'a> Rings<'a> {
         self.samples = self.blows.iter().map(taken).collect();
     }
 
-    /// Amplitudes in a gate of so many samples: real and imaginary ones.
+    /// Number of amplitudes in a gate within the samples used, real and imaginary parts counted apart.
     fn length(&self, k: usize, gate: usize) -> usize {
         self.blows[k].gates[gate].sums.count(self.samples[k])
     }
 
-    /// The residuals of each part of each gate.
+    /// Index ranges of the residuals: for each gate the real parts, then the imaginary parts.
     pub(super) fn series(&self) -> Vec<Range<usize>> {
         let (mut from, mut all) = (0, Vec::new());
         for (k, blow) in self.blows.iter().enumerate() {
@@ -90,12 +91,12 @@ impl<'a> Rings<'a> {
         all
     }
 
-    /// Blow `k` on the structure at these coordinates.
+    /// Response of the structure with the unknowns `x` to blow `k`; none where it cannot be computed.
     pub(super) fn rung(&self, x: &[f64], k: usize) -> Option<Rung> {
         self.rung_finer(x, k, 1)
     }
 
-    /// With so many times the steps and the sliders.
+    /// The same response with `times` as many steps and sliders.
     fn rung_finer(&self, x: &[f64], k: usize, times: usize) -> Option<Rung> {
         let (timed, adjusted) = (&self.blows[k], self.beside.adjusted(x)?);
         let finer = (times > 1).then(|| between_samples(&timed.force, times));
@@ -104,7 +105,7 @@ impl<'a> Rings<'a> {
         } else {
             Vec::new()
         };
-        // A mode that is not compared has the damping of the one nearest to it.
+        // A mode that is not compared gets the damping ratio of the compared mode nearest in frequency.
         let damping = |frequency: f64| {
             let near = |r: &usize| (self.frequencies[*r] / frequency).ln().abs();
             let nearest = (0..ratios.len()).min_by(|a, b| near(a).total_cmp(&near(b)));
@@ -125,15 +126,16 @@ impl<'a> Rings<'a> {
         Some(Rung { amplitudes, slips: struck.slips })
     }
 
-    /// Measured amplitudes of a gate in what counts of the blow.
+    /// Measured amplitudes of a gate within the samples used.
     pub(super) fn measured(&self, k: usize, gate: usize) -> Vec<f64> {
         let all = &self.blows[k].gates[gate].measured;
         let (half, whole) = (self.length(k, gate) / 2, all.len() / 2);
         [&all[..half], &all[whole..whole + half]].concat()
     }
 
-    /// Takes off the measured amplitudes what finer steps change in those of the structure at `x`: a search then ends where it would with the finer
-    /// steps, at the cost of the coarse ones (deferred correction). Only with all of the blows, and once. False where there is no motion.
+    /// Subtracts from the measured amplitudes the change that finer steps make in the computed ones at `x`. A search with coarse steps then ends
+    /// where one with finer steps would (deferred correction). To be called once, with all samples in use. Returns false where no motion can be
+    /// computed.
     pub(super) fn correct(&mut self, x: &[f64]) -> bool {
         let jobs: Vec<(usize, usize)> = (0..self.blows.len()).flat_map(|k| [(k, FINER), (k, 1)]).collect();
         let found =
@@ -150,7 +152,7 @@ impl<'a> Rings<'a> {
         true
     }
 
-    /// Residuals of blow `k`.
+    /// Residuals of blow `k`: computed minus measured amplitudes, over their standard deviations.
     fn residuals(&self, x: &[f64], k: usize) -> Option<Vec<f64>> {
         let rung = self.rung(x, k)?;
         let of = |(gate, amplitudes): (usize, &Vec<f64>)| -> Vec<f64> {
@@ -161,7 +163,7 @@ impl<'a> Rings<'a> {
         Some(rung.amplitudes.iter().enumerate().flat_map(of).collect())
     }
 
-    /// Largest slip over φ_max of each group in all blows.
+    /// Largest slip of each group over φ_max, in all blows.
     pub(super) fn slip_ratios(&self, x: &[f64]) -> Vec<f64> {
         let slips: Vec<Vec<f64>> =
             (0..self.blows.len()).filter_map(|k| self.rung(x, k)).map(|rung| rung.slips).collect();
@@ -172,7 +174,8 @@ impl<'a> Rings<'a> {
         self.beside.groups.iter().zip(x.chunks_exact(4)).map(ratio).collect()
     }
 
-    /// Misfit of each gate of each blow over the size of what was measured there, or over the least part of the loudest gate where it is less.
+    /// Relative misfit of each gate of each blow: root mean square of the residual amplitudes over that of the measured ones, which count as no less
+    /// than [`LEAST`] times those of the largest gate.
     pub(super) fn misfits(&self, x: &[f64]) -> Option<Vec<Vec<f64>>> {
         let of = |k: usize| {
             let rung = self.rung(x, k)?;

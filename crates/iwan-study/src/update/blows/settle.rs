@@ -1,4 +1,4 @@
-//! The search for joints from blows: windows that grow, weights from what is left, intervals and what of them is told.
+//! The search for joints from blows: windows that grow, weights from the residuals, intervals, and which of their ends the blows support.
 
 use iwan_ident::estimate::{About, Found, Interval, Model, Told, Weights, intervals, near, silent};
 
@@ -7,48 +7,53 @@ use super::straight::Straight;
 use crate::error::Error;
 use crate::update::fitted::{ENDS, NORMAL, holding};
 
-/// Shares of the blows, effort of the search from each point kept, and how many are kept: a mode that is a little off runs out of phase within a long
-/// record, where every start ends at a minimum of its own.
+/// Stages of the search: share of each blow that is used, effort of the search (iterations, relative reduction) from each point, and number of points
+/// kept for the next stage. A mode that is slightly off in frequency runs out of phase within a long record, where every start would end at a minimum
+/// of its own.
 const WINDOWS: [(f64, (usize, f64), usize); 3] =
     [(0.1, (12, 1e-3), 2), (0.3, (12, 1e-3), 1), (1.0, (30, 1e-3), 1)];
-/// Starts that are searched from, of those that leave least in the first window. Not varied.
+/// Number of starts from which a search begins: those with the smallest residuals in the first stage. Not varied.
 const SEARCHED: usize = 3;
-/// Iterations and relative reduction of the search whose residuals tell how much each gate counts: weights need a per cent.
+/// Iterations and relative reduction of the search whose residuals give the weight of each gate; weights need an accuracy of a per cent.
 const FOR_WEIGHTS: (usize, f64) = (12, 1e-3);
-/// Iterations and relative reduction of the last search: a hundred-thousandth of the sum of squares of some hundred residuals is a thousandth of the
+/// Iterations and relative reduction of the last search. A reduction of 1e-5 of the sum of squares of some hundred residuals is a thousandth of the
 /// deviance at which a 95 % interval ends, and so a fifteenth of a standard deviation.
 const LAST: (usize, f64) = (40, 1e-5);
-/// Neighbours that agree widen variances by less than this where noise is left: Hann's windows that overlap by half make 1.4.
+/// Residuals whose correlation between neighbours inflates variances by less than this count as noise; Hann windows that overlap by half inflate by
+/// 1.4.
 const WHITE: f64 = 2.0;
-/// Of what finer steps change so much is taken for what they are off by elsewhere, so that intervals do not shrink to nothing where there is no noise. A
-/// judgement.
+/// Factor on the change that finer steps make: this much counts as the steps' remaining error elsewhere, so that intervals do not shrink to nothing
+/// in records without noise. A judgement.
 const STILL_STEPPING: f64 = 1.0;
-/// Standard deviation of an unknown that the computation itself has, in its coordinate (logarithms of K_T and F_S, mostly): reduced models, steps and sliders that are
-/// not those of the record put K_T, F_S and χ of configuration A off by 5e-4 to 1.3e-3 where noise alone would make 2e-4. No interval is narrower.
+/// Standard deviation of an unknown by the computation itself, in its coordinate (for K_T and F_S the logarithm). The reduced model, steps and
+/// sliders differ from those of the record; they put K_T, F_S and χ of configuration A off by 5e-4 to 1.3e-3, where noise alone would make 2e-4. No
+/// interval is narrower than this allows.
 const OWN: f64 = 1e-3;
-/// Largest slip over φ_max that a knee must have been passed by to be told, as for modes that share joints.
+/// Largest slip over φ_max from which the knee (the onset of macro-slip) counts as determined, as in fits of modes that share joints.
 const PASSED: f64 = 1.5;
-/// A joint has a Dirac, β > 0, where the best fit without one has a deviance above this, as for modes that share joints.
+/// A joint has a Dirac part, β > 0, where the best fit without it has a deviance higher by more than this, as in fits of modes that share joints.
 const DIRAC_SEEN: f64 = 25.0;
-/// An end is tried by a run of the blows so many times as far from the best value: residuals that go on straight leave four times the deviance of the end
-/// there, and what they leave out has room.
+/// An end of a linearised interval is checked by a run of the blows at this many times its distance from the best value. Linear residuals reach there
+/// four times the deviance of the end, which leaves room for the nonlinearity that they ignore.
 const AS_FAR: f64 = 2.0;
-/// An end farther than this from the best value in its coordinate, a factor of 7 on K_T and F_S, is none: residuals do not go on straight so far.
+/// An end farther than this from the best value in its coordinate, a factor of 7 on K_T and F_S, is dropped: residuals are not linear over so wide a
+/// range.
 const FARTHEST: f64 = 2.0;
-/// Effort of the search without a Dirac. A judgement.
+/// Iterations and relative reduction of the search without a Dirac part. A judgement.
 const WITHOUT: (usize, f64) = (15, 1e-4);
-/// A gate that misses more than this of the motion, and more than noise, is no match. A damping ratio that is wrong by 3 %, as repeated hits are, is 6 % of
-/// the motion when half the energy is gone twice over. A judgement.
+/// A gate whose relative misfit exceeds this, and exceeds noise, is no match. A damping ratio wrong by 3 %, as it differs between repeated hits,
+/// makes 6 % of the motion by the time the energy has halved twice. A judgement.
 pub(super) const MISSED: f64 = 0.06;
-/// Most of the motion that noise excuses: with more than 30 % a tenth of the energy is told by nothing. A search that ends anywhere may leave what looks like noise.
+/// Largest relative misfit that noise excuses: with more than 30 % the blows say nothing on a tenth of the energy. A search that ended at a wrong
+/// place may leave residuals that look like noise.
 pub(super) const MOST_EXCUSED: f64 = 0.3;
 
-/// The search.
+/// The search for the unknowns, on the blows of `rings`.
 pub(super) struct Fitting<'a> {
     pub(super) rings: Rings<'a>,
 }
 
-/// The best unknowns with what is known of them.
+/// The best unknowns with intervals, determined combinations and slip ratios.
 pub(super) struct Certain {
     pub(super) found: Found,
     pub(super) free: Vec<usize>,
@@ -58,7 +63,7 @@ pub(super) struct Certain {
     pub(super) is_noise: bool,
 }
 
-/// Hears the share done and says whether to go on.
+/// Receives the share done, and returns an error where the work is to stop.
 type GoOn<'a> = &'a dyn Fn(f64) -> Result<(), Error>;
 
 impl<'a> Fitting<'a> {
@@ -70,7 +75,7 @@ impl<'a> Fitting<'a> {
         (0..self.rings.beside.bounds.len()).filter(|j| !self.rings.unfelt.contains(j)).collect()
     }
 
-    /// In windows that grow.
+    /// Searches in the stages of [`WINDOWS`], from all starts.
     pub(super) fn grown(&mut self, all: &[Vec<f64>], go_on: GoOn<'_>) -> Result<Found, Error> {
         let failed = Error::identification("update");
         self.rings.take(WINDOWS[0].0);
@@ -81,7 +86,8 @@ impl<'a> Fitting<'a> {
         for (n, (share, effort, keep)) in WINDOWS.into_iter().enumerate() {
             let before = self.rings.samples.clone();
             self.rings.take(share);
-            // Of blows so short that this window is the last one again, the others have had their turn.
+            // Blows may be so short that this stage uses the same samples as the last one; only as many points are then searched again as this stage
+            // keeps.
             if n > 0 && self.rings.samples == before {
                 kept.truncate(keep);
             }
@@ -91,7 +97,7 @@ impl<'a> Fitting<'a> {
             found.sort_by(|a, b| a.cost.total_cmp(&b.cost));
             found.truncate(keep);
             kept = found.iter().map(|found| found.x.clone()).collect();
-            // What is felt where the search ended is sought from there on.
+            // Unknowns to which the blows are sensitive at the point found are sought from now on.
             if let Some(x) = kept.first() {
                 let before = std::mem::take(&mut self.rings.unfelt);
                 let still = silent(&self.rings, x, 1.0).map_err(&failed)?;
@@ -105,7 +111,7 @@ impl<'a> Fitting<'a> {
         })
     }
 
-    /// The starts that leave least in the first window: a run of each costs a tenth of one step of a search.
+    /// The starts with the smallest residuals in the first stage: a run of each costs a tenth of one step of a search.
     fn nearest(&self, mut starts: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
         let mut residuals = vec![0.0; self.rings.count()];
         let mut left = |x: &Vec<f64>| {
@@ -127,7 +133,8 @@ impl<'a> Fitting<'a> {
         Weights::of(&residuals, &self.rings.series(), self.free().len())
     }
 
-    /// Each gate counts by what is left of it; none as better told than half the median of all.
+    /// Sets the standard deviation of each gate from its residuals; relative to the measured amplitudes none becomes smaller than half the median of
+    /// all gates.
     fn reweight(&mut self, weights: &Weights) {
         let mut own = weights.deviations.chunks_exact(2);
         let sizes: Vec<Vec<f64>> = self
@@ -153,7 +160,7 @@ impl<'a> Fitting<'a> {
         }
     }
 
-    /// Variance that the steps leave, in the unit of the residuals.
+    /// Remaining error of the steps, as a variance in units of the residuals.
     fn still_stepping(&self) -> f64 {
         let (mut sum, mut count) = (0.0, 0.0);
         for (blow, deviations) in self.rings.blows.iter().zip(&self.rings.deviations) {
@@ -185,7 +192,8 @@ impl<'a> Fitting<'a> {
         let variance = (inflation * found.cost / freedom).max(self.still_stepping());
         let failed = Error::identification("update");
         let straight = Straight::at(&self.rings, &found.x).map_err(&failed)?;
-        // What is straight has no better point: what a walk gains is what the search left.
+        // Walk: one unknown is moved step by step while the others are fitted. A linearised model has no better point than the best; where a walk
+        // still gains, the search had not quite ended.
         let about = About { found: &found, free: &free, variance, settled: true };
         let mut all = vec![Interval::default(); self.rings.beside.bounds.len()];
         // Unknowns that the blows do not feel are open: a walk along them has nowhere to end.
@@ -200,8 +208,9 @@ impl<'a> Fitting<'a> {
         Ok(Certain { found, free, intervals: all, told, slip_ratios, is_noise })
     }
 
-    /// Opens parameters of joints whose ends are those of residuals that go on straight only: where the blows themselves accept a value well beyond an end,
-    /// or the end lies too far away to be believed, the search stood somewhere in a valley that they do not bound.
+    /// Opens intervals of joint parameters whose ends hold only for linearised residuals. Where the blows themselves accept a value well beyond an
+    /// end, or the end lies too far away to be believed, the search stood in a valley (a direction along which the sum of squares hardly changes)
+    /// that the blows do not bound.
     fn without_ends(&self, about: About<'_>, intervals: &mut [Interval]) {
         let mut residuals = vec![0.0; self.rings.count()];
         let mut accepts = |j: usize, end: f64| {
@@ -221,9 +230,9 @@ impl<'a> Fitting<'a> {
         }
     }
 
-    /// Opens the ends that need a knee which no blow has clearly passed, or which what is left shows: the joint may be as strong and as stiff as one likes.
-    /// Where χ stands at the end of its range the search ran there, and where χ is open towards it the search might have: the blows show nothing that the law's shape
-    /// explains, and only the stiffness has an end.
+    /// Opens the ends that depend on a knee (the onset of macro-slip). Where no blow has clearly passed the knee, or the misfit is too large to show
+    /// it, the joint may be arbitrarily strong and stiff. Where χ lies at the end of its range or its interval is open, the shape of the law explains
+    /// nothing in the blows, and only the stiffness keeps its ends.
     fn without_knees(
         &self,
         about: About<'_>,
@@ -256,7 +265,7 @@ impl<'a> Fitting<'a> {
     }
 }
 
-/// An interval about `x` with the computation's own error.
+/// An interval about `x`, widened by the computation's own error [`OWN`].
 fn widened(x: f64, Interval { low, high }: Interval) -> Interval {
     let reach = |end: f64| (x - end).abs().hypot(NORMAL * OWN);
     Interval { low: low.map(|low| x - reach(low)), high: high.map(|high| x + reach(high)) }

@@ -1,10 +1,10 @@
-//! A model that goes on straight from one point: intervals of unknowns whose every residual takes a transient.
+//! A linearised model about one point: it gives the intervals of unknowns where each residual takes a whole transient to compute.
 
 use iwan_ident::Error;
 use iwan_ident::estimate::Model;
 
-/// Residuals at a point and their derivatives there. Walks along profile likelihoods would take some hundred derivatives of all blows; on this they
-/// take none, and what they find is the linearised profile. Where an interval is wide the true one may be skewed.
+/// Residuals at a point and their derivatives there. Walks along profile likelihoods would need some hundred derivatives of all blows; with this
+/// model they need none, and give the linearised profile. A wide interval may in truth be skewed.
 #[derive(Debug)]
 pub(super) struct Straight {
     at: Vec<f64>,
@@ -14,7 +14,7 @@ pub(super) struct Straight {
 }
 
 impl Straight {
-    /// Of a model at `x`.
+    /// Linearises a model at `x`.
     pub(super) fn at(model: &impl Model, x: &[f64]) -> Result<Self, Error> {
         let count = model.count();
         let (mut residuals, mut slopes) = (vec![0.0; count], vec![vec![0.0; count]; x.len()]);

@@ -1,45 +1,45 @@
-//! Ring-downs of several points, and the clock on which the structure is held against them.
+//! Measured blows, and the time axis on which the structure is compared with them.
 
 use iwan_fem::{Kinematic, NamedModes, Output};
 use iwan_ident::coupled::{Sums, between_samples};
 
 use crate::error::Error;
 
-/// Steps in a period of the fastest mode that is compared: prewarped average acceleration keeps its frequency, and the joints' forces are then off
-/// by (2π/40)²/12 = 0.2 % of what they lose in a step. As in fits of modes that share joints.
+/// Time steps per period of the fastest compared mode. Prewarped average acceleration keeps the mode's frequency, and the joints' forces are then off
+/// by (2π/40)²/12 = 0.2 % of their change in a step. As in fits of modes that share joints.
 const STEPS_A_PERIOD: f64 = 40.0;
-/// Fewest samples of a record: with fewer not even the slowest cycle of a mode is there.
+/// Fewest samples of a record; shorter records are refused, because they hold not even one cycle of the slowest mode.
 const FEWEST: usize = 64;
 
-/// Points of a structure under a blow from rest.
+/// Motions of several points of a structure under a blow from rest.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MeasuredBlow {
-    /// Where it comes from, for messages and results.
+    /// Origin of the record, for messages and results.
     pub source: String,
     /// Sampling interval, s.
     pub dt: f64,
-    /// Force at the samples.
+    /// Force at each sample, in the unit of the structure.
     pub force: Vec<f64>,
-    /// Points with what was measured there.
+    /// The measured points as outputs of the structure, each with its samples.
     pub points: Vec<(Output, Vec<f64>)>,
-    /// What was measured.
+    /// Whether displacement, velocity or acceleration was measured.
     pub kinematic: Kinematic,
 }
 
-/// Blows to find joints from.
+/// The blows from which joints are found.
 #[derive(Debug, Clone)]
 pub struct BlowTask {
-    /// Forces on the unknowns of the structure under a force of 1.
+    /// Load vector: the forces on the structure's unknowns under a force of 1.
     pub load: Vec<f64>,
     /// Blows that are fitted.
     pub blows: Vec<MeasuredBlow>,
     /// Blows that are kept out of the fit and predicted.
     pub held_out: Vec<MeasuredBlow>,
-    /// Modes about whose frequencies the points are compared.
+    /// Names of the modes at whose frequencies the points are compared.
     pub modes: Vec<String>,
 }
 
-/// A blow on the clock of the structure.
+/// A blow on the time axis of the computation.
 #[derive(Debug, Clone)]
 pub(super) struct Timed {
     pub(super) source: String,
@@ -51,28 +51,28 @@ pub(super) struct Timed {
     pub(super) gates: Vec<Gate>,
 }
 
-/// One mode at one point: complex amplitudes in windows.
+/// One mode at one point: complex amplitudes in windows along the record.
 #[derive(Debug, Clone)]
 pub(super) struct Gate {
     pub(super) point: usize,
     pub(super) name: String,
-    /// Place of the mode among those compared.
+    /// Index of the mode among the compared ones.
     pub(super) mode: usize,
     pub(super) sums: Sums,
     /// Amplitudes of the record: all real parts, then all imaginary parts.
     pub(super) measured: Vec<f64>,
-    /// Root mean square of what finer steps change in those of the structure; 0 as long as that is not known.
+    /// Root mean square of the change that finer steps make in the computed amplitudes; 0 until it is known.
     pub(super) stepping: f64,
 }
 
 impl Gate {
-    /// Amplitudes of a motion.
+    /// Complex amplitudes of a motion, in the order of `measured`.
     pub(super) fn of(&self, motion: &[f64]) -> Vec<f64> {
         entries(&self.sums, motion)
     }
 }
 
-/// Real parts of all windows, then imaginary parts: neighbours are then one part of neighbouring windows.
+/// Real parts of all windows, then imaginary parts, so that neighbouring entries belong to neighbouring windows.
 fn entries(sums: &Sums, samples: &[f64]) -> Vec<f64> {
     let mut pairs = vec![0.0; sums.count(samples.len())];
     sums.apply(samples, &mut pairs);
@@ -115,8 +115,8 @@ impl MeasuredBlow {
         Ok(())
     }
 
-    /// On a clock that resolves the fastest of these frequencies: of a record sampled faster only every so many samples are stepped, and compared
-    /// with its means over as many.
+    /// Puts the blow on a time axis that resolves the fastest of these frequencies (Hz). Of a record that is sampled faster only every n-th sample is
+    /// a time step, and the computed motion is compared with weighted means of the record over n samples to either side.
     pub(super) fn timed(&self, frequencies: &[f64], unknowns: usize) -> Result<Timed, Error> {
         self.checked(unknowns)?;
         let fastest = frequencies.iter().copied().fold(0.0, f64::max);
@@ -154,7 +154,8 @@ impl MeasuredBlow {
     }
 }
 
-/// Every `stride`-th sample as a mean over its neighbours with falling weights, so that noise of the samples between counts, too.
+/// Every `stride`-th sample as a mean over its neighbours with falling (triangular) weights, so that the samples between are used, too, and their
+/// noise averages out.
 fn means(samples: &[f64], stride: usize) -> Vec<f64> {
     let weight = |d: usize| (stride - d) as f64 / (stride * stride) as f64;
     let at = |n: usize| {
@@ -167,13 +168,13 @@ fn means(samples: &[f64], stride: usize) -> Vec<f64> {
     (0..samples.len()).step_by(stride).map(at).collect()
 }
 
-/// What such means leave of a sinusoid of so many periods a sample.
+/// Factor by which such means reduce a sinusoid of `periods` periods per sample.
 fn lost_by_means(periods: f64, stride: usize) -> f64 {
     let half = std::f64::consts::PI * periods;
     if stride == 1 { 1.0 } else { ((half * stride as f64).sin() / (stride as f64 * half.sin())).powi(2) }
 }
 
-/// Numbers of the stuck modes with these names and their frequencies, Hz.
+/// Indices of the stuck modes with these names, and their frequencies in Hz.
 pub(super) fn modes_of(named: &NamedModes, names: &[String]) -> Result<(Vec<usize>, Vec<f64>), Error> {
     let one = |name: &String| {
         let mode = named.named(name).map_err(Error::structure(name))?;
