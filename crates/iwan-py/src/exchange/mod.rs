@@ -1,4 +1,4 @@
-//! What passes between Python and Rust: arrays, exceptions, choices by name, texts that read back, and work without the
+//! Conversions between Python and Rust: arrays, exceptions, choices by name, texts that Python can read again, and work without the
 //! interpreter's lock.
 
 pub(crate) mod errors;

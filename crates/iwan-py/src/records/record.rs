@@ -75,7 +75,7 @@ impl Record {
         })
     }
 
-    /// The record of the library, checked again.
+    /// The record of the library, made from this one and checked again.
     pub(crate) fn whole(&self, py: Python<'_>) -> PyResult<iwan_io::Record> {
         let rows = self.samples.bind(py).readonly().as_array().outer_iter().map(|row| row.to_vec()).collect();
         let record = iwan_io::Record::new(self.dt, rows, self.names.clone());
@@ -83,7 +83,7 @@ impl Record {
         Ok(record.map_err(|error| value(error.to_string()))?.with_quantity(self.quantity, self.unit.clone()))
     }
 
-    /// Index of a channel by name or number; the only one when neither is given.
+    /// Index of a channel given by name or number; of the only channel when neither is given.
     pub(crate) fn index(&self, channel: Option<&Bound<'_, PyAny>>) -> PyResult<usize> {
         let n = self.names.len();
         let names = || format!("'{}'", self.names.join("', '"));
@@ -108,7 +108,7 @@ impl Record {
 }
 
 impl Record {
-    /// What motion was measured, and what had to be assumed.
+    /// The kind of motion that was measured, and remarks on what was assumed.
     pub(crate) fn motion(
         &self,
         given: Option<curves::Quantity>,
@@ -359,7 +359,7 @@ impl Record {
     }
 }
 
-/// Names, quantity, unit and warnings, as pickled.
+/// Names, quantity, unit and warnings of a record in a pickle.
 type Described = (Vec<String>, String, String, Vec<String>);
 
 /// Makes a pickled `Record` again.
