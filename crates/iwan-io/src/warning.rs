@@ -54,9 +54,9 @@ pub enum Warning {
          off an even grid; resampled every {dt:e} s"
     )]
     Resampled {
-        /// Longest interval between two different times, in seconds.
+        /// Largest distance of a time from the even grid in seconds.
         jitter: f64,
-        /// Longest time without a sample in seconds.
+        /// Longest interval between two different times, in seconds.
         gap: f64,
         /// Number of times that equal the time before.
         merged: usize,

@@ -62,7 +62,7 @@ impl Folder {
         Ok(Self { target, joins, alone, staging, names: Vec::new(), outdated: Vec::new(), force })
     }
 
-    /// Where the files are until they appear. A process that is about to end itself must remove this folder.
+    /// The folder in which the files are until they appear. Code that ends the process without dropping this value must remove the folder.
     #[must_use]
     pub fn staged(&self) -> &Path {
         self.staging.path()

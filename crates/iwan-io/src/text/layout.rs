@@ -53,9 +53,9 @@ pub(super) struct Layout {
     /// Number of leading columns that hold no samples: some oscilloscopes write settings beside the first rows, and nothing beside the
     /// others.
     pub(super) settings: usize,
-    /// Number of columns behind these.
-    pub(super) fields: usize,
     /// Number of columns behind the settings.
+    pub(super) fields: usize,
+    /// Line of the first row of numbers, counted from 1.
     pub(super) first_row: usize,
     pub(super) names: Vec<String>,
     pub(super) units: Vec<String>,
