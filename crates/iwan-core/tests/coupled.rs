@@ -1,4 +1,4 @@
-//! Coupled modes against the single mode, against a plain reference, and in their energy.
+//! Coupled modes against the single mode, against a plain reference, and their energy balance.
 
 #![allow(clippy::unwrap_used, reason = "a failed test may panic and say why")]
 
@@ -37,7 +37,7 @@ fn storage(groups: usize) -> Vec<Lanes> {
     vec![[0.0; 4]; groups]
 }
 
-/// Owned rows of a run.
+/// Buffers for the results of a run.
 struct Rows {
     joints: usize,
     width: usize,
@@ -116,7 +116,7 @@ fn on_sliders(amplitude: f64, dt: f64, samples: usize, bins: usize) -> (Rows, En
     run(&coupled, &mut OneJoint::new(&sliders, &mut state), &pulse(amplitude, dt, samples), samples)
 }
 
-/// Energy over 20,000 steps from micro-slip to far beyond macro-slip: rounding alone.
+/// The energy balance closes to rounding over 20,000 steps, from micro-slip to far beyond macro-slip.
 #[test]
 fn the_energy_balance_closes() {
     for amplitude in [10.0, 1000.0, 1e5] {
@@ -160,7 +160,7 @@ fn one_mode_with_its_own_joint_is_the_single_mode() {
     }
 }
 
-/// Sliders visited one by one, each step solved by halving: what it must be, whatever the memory.
+/// A reference that visits each slider and solves each step by halving; the result must be the same with any memory.
 fn plainly(amplitude: f64, dt: f64, samples: usize, bins: usize) -> [Vec<f64>; 2] {
     let mut table = vec![Slider::default(); Sliders::table_len(bins)];
     let sliders = Sliders::discretise(&law(), Grid::graded(bins), bins, &mut table).unwrap();
@@ -172,7 +172,7 @@ fn plainly(amplitude: f64, dt: f64, samples: usize, bins: usize) -> [Vec<f64>; 2
     let at = |n: usize| force.get(n).copied().unwrap_or(0.0);
     for n in 1..samples {
         let mean = 0.5 * (at(n - 1) + at(n));
-        // q at the end of the step for N there, by average acceleration written out.
+        // q at the end of the step for the joint force N there, by average acceleration written out.
         let end = |missing: f64| -> ([f64; 3], [f64; 3]) {
             let mut next = ([0.0; 3], [0.0; 3]);
             for r in 0..3 {
@@ -221,7 +221,7 @@ fn steps_are_those_of_a_plain_reference() {
     }
 }
 
-/// Halving the step takes three quarters of the error away.
+/// Half the step takes away three quarters of the error.
 #[test]
 fn the_scheme_is_of_second_order() {
     let at = |dt: f64, samples: usize| in_the_continuum(300.0, dt, samples).0.mode(0, 2);
@@ -232,7 +232,7 @@ fn the_scheme_is_of_second_order() {
     assert!((3.4..4.6).contains(&(first / second)), "{first:e} {second:e}");
 }
 
-/// The quick path of sliders is the general one, over reversals, breaks and stretches.
+/// The fast path for sliders gives the results of the general one, over reversals, breaks and stretches of a run.
 #[test]
 fn sliders_glide_as_they_step() {
     let (dt, samples) = (1e-5, 4001);
@@ -247,7 +247,7 @@ fn sliders_glide_as_they_step() {
         let mut joint = OneJoint::new(&sliders, &mut state);
         let mut motion = CoupledMotion::new(&coupled, &mut joint, [&[0.0; 3]; 2], 0.0, storage).unwrap();
         let whole = rows.rows();
-        // In two stretches, the second of which begins with the last sample of the first.
+        // The run in two stretches, of which the second begins with the last sample of the first.
         for (from, to) in [(0, 1500), (1500, samples - 1)] {
             let rest = force.get(from..).unwrap_or(&[]);
             let mut part = CoupledRows {
@@ -269,8 +269,8 @@ fn sliders_glide_as_they_step() {
     }
 }
 
-/// Two joints that move alike are one of twice the stiffness and strength and half the compliance; their own system is
-/// singular.
+/// Two joints that move alike are one joint of twice the stiffness and strength and half the compliance; the equations of the two joints
+/// are singular.
 #[test]
 fn joints_that_move_alike_are_one_joint() {
     let (dt, samples) = (1e-5, 4001);
@@ -293,7 +293,7 @@ fn joints_that_move_alike_are_one_joint() {
     }
 }
 
-/// Joints that have nothing in common move as if each were alone.
+/// Joints of different modes move as if each were alone.
 #[test]
 fn joints_of_different_modes_do_not_meet() {
     let (dt, samples) = (1e-5, 3001);
@@ -326,7 +326,7 @@ fn joints_of_different_modes_do_not_meet() {
     }
 }
 
-/// A mode held away from rest loads its virgin joint statically.
+/// A mode that is held away from rest loads its virgin joint statically.
 #[test]
 fn the_initial_state_is_in_balance() {
     let coupled = CoupledModes::new(&modes(1e-5, true), &[one_joint(RHO, 2e-8)], storage).unwrap();
@@ -358,7 +358,7 @@ fn what_has_no_unique_step_is_refused() {
     for participation in [[0.0; 3], [f64::NAN, 1.0, 1.0]] {
         assert!(refused(&[CoupledJoint { participation: &participation, ..one_joint(0.0, 0.0) }]).is_some());
     }
-    // Not symmetric; not positive semi-definite: forces would do work on nothing.
+    // The compliance matrix is not symmetric, or not positive semi-definite: forces would then do work without a motion.
     for rows in [[[RHO, RHO], [0.0, RHO]], [[RHO, 1.2 * RHO], [1.2 * RHO, RHO]]] {
         let joint =
             |i: usize| CoupledJoint { stiffness: 0.3 * K, compliance: &rows[i], ..one_joint(0.0, 0.0) };
@@ -366,7 +366,7 @@ fn what_has_no_unique_step_is_refused() {
     }
 }
 
-/// A memory that is too small forgets, and says how much force that may cost.
+/// A memory that is too small forgets reversals, and states how large an error of the force this may cause.
 #[test]
 fn a_memory_that_overflows_says_so() {
     let coupled = CoupledModes::new(&modes(1e-5, true), &[one_joint(RHO, 0.0)], storage).unwrap();

@@ -57,7 +57,7 @@ fn event_driven_solution_is_self_consistent() {
 
 #[test]
 fn half_cycle_map_is_exact_on_a_slider_population_without_damper() {
-    // The map knows nothing of sliders but their virgin curve: turning points must agree to rounding.
+    // The map uses only the virgin curve of the sliders; its turning points must agree to rounding.
     let joint = mode_1();
     let elements = table(&joint, Grid::graded(60), 60);
     let (strength, stiffness): (Vec<_>, Vec<_>) = elements.iter().copied().unzip();
@@ -81,7 +81,7 @@ fn half_cycle_map_is_exact_on_a_slider_population_without_damper() {
     }
 }
 
-/// The same decay three ways: (map, reference) displacements at uniform times.
+/// Displacements of one decay at uniform times: (half-cycle map, event-driven reference).
 fn map_and_reference(ratio: f64, zeta: f64, samples: usize, dt: f64) -> (Vec<f64>, Vec<f64>) {
     let joint = mode_1();
     let start = Motion::held_at(ratio * joint.phi_max());

@@ -1,5 +1,5 @@
-//! Dynamic below static friction: closed forms against quadrature and against loops slider by slider, the memory against a
-//! plain loop, time steps, averaging, and refusals of what rests on Masing's rule.
+//! Dynamic friction below static friction: closed forms against quadrature and against loops slider by slider; the memory against a plain
+//! loop; time steps; averaging; and refusals by methods that rest on Masing's rule.
 #![allow(clippy::unwrap_used, reason = "a failed test may panic and say why")]
 
 use std::f64::consts::{PI, TAU};
@@ -28,7 +28,7 @@ fn laws() -> impl Iterator<Item = FiveParameter> {
     })
 }
 
-/// The sliders of a law, and a table that lives long enough.
+/// The sliders of a law; the caller owns their `table`.
 fn population<'a>(law: &FiveParameter, bins: usize, table: &'a mut Vec<Slider>) -> Sliders<'a> {
     table.resize(Sliders::table_len(bins), Slider::default());
     Sliders::discretise(law, Grid::graded(bins), bins, table).unwrap()
@@ -48,7 +48,7 @@ fn without_a_drop_it_is_the_four_parameter_joint() {
                 near(five.force(u), four.force(u), four.force(u));
                 near(five.tangent(u), four.tangent(u), k_t);
                 near(five.energy(u), four.energy(u), four.energy(u));
-                // The closed form of micro-slip divides by what this is a difference of.
+                // The closed form of micro-slip divides by a quantity that is computed here as a difference.
                 near(five.dissipation(u), four.dissipation(u), 20.0 * four.dissipation(u));
                 near(five.energy_at_turn(u), four.energy_at_turn(u), four.energy(u));
                 near(five.harmonic_stiffness(u), four.harmonic_stiffness(u), k_t.min(20.0 * four.secant(u)));
@@ -57,13 +57,13 @@ fn without_a_drop_it_is_the_four_parameter_joint() {
     }
 }
 
-/// Force on the way down from the turning point of a cycle of amplitude `u`, of one slider that slides, per stiffness.
+/// Force of one slider that slides, divided by its stiffness, on the way down from the turning point of a cycle of amplitude `u`.
 fn coming_down(theta: f64, phi: f64, u: f64, at: f64) -> f64 {
     let stuck = theta * phi - (u - at);
     if stuck > -phi { stuck } else { -theta * phi }
 }
 
-/// ∮ of one slider in a cycle: dissipation and first-harmonic stiffness by quadrature on both sides of its break.
+/// Dissipation and first-harmonic stiffness of one slider in a cycle, by quadrature on both sides of the point where it breaks loose.
 fn one_cycle(theta: f64, phi: f64, u: f64) -> [f64; 2] {
     const RULE: Rule<16> = Rule::gauss_legendre();
     let breaks = (1.0 - (1.0 + theta) * phi / u).clamp(-1.0, 1.0).acos();
@@ -79,13 +79,13 @@ fn one_cycle(theta: f64, phi: f64, u: f64) -> [f64; 2] {
     [sums[0], 2.0 / (PI * u) * sums[1]]
 }
 
-/// D and K_1 by quadrature over the density of the sliders that slide in a cycle of amplitude `u` after `largest`.
+/// D and K_1 by quadrature over the density of the sliders that slide in a cycle of amplitude `u`, after a cycle of amplitude `largest`.
 fn by_quadrature(law: &FiveParameter, u: f64, largest: f64) -> [f64; 2] {
     const RULE: Rule<16> = Rule::gauss_legendre();
     let (theta, four) = (law.theta(), law.sticking());
     let reach = u.max(largest.min(2.0 * u / (1.0 + theta)));
     let strongest = reach.min(law.phi_max());
-    // φ = strongest · s^q takes the corner of φ^χ away, s = t (2 - t) that of the root where the strongest just breaks loose.
+    // φ = strongest · s^q removes the corner of φ^χ; s = t (2 - t) removes that of the root where the strongest slider just breaks loose.
     let q = (4.0 / (four.chi() + 1.0)).ceil();
     let mut sums = [0.0, four.k_t()];
     let panels = 64;
@@ -136,7 +136,7 @@ fn the_virgin_curve_is_that_of_its_sliders() {
             let scale = law.force(u).abs().max(law.theta() * law.slip_force());
             assert!((sliders.force(u) - law.force(u)).abs() < 1e-3 * scale, "{law:?} {ratio}");
             assert!((sliders.dissipation(u) / law.dissipation(u) - 1.0).abs() < 2e-3, "{law:?} {ratio}");
-            // Work is the integral of the force, slope its derivative.
+            // The work is the integral of the force, and the slope is its derivative.
             let below = u.min(law.phi_max() * (1.0 - 1e-12));
             let panels = (0..16).map(|n| f64::from(n) / 16.0 * below);
             let work: f64 = panels.map(|a| RULE.integrate(a, a + below / 16.0, |u| law.force(u))).sum();
@@ -150,7 +150,8 @@ fn the_virgin_curve_is_that_of_its_sliders() {
     }
 }
 
-/// Every slider by itself, as it reads: stick up to the static limit, slide at the dynamic one, stick again on turning round.
+/// Every slider computed by itself, as defined: it sticks up to the static limit, slides at the dynamic one, and sticks again when the
+/// motion turns round.
 struct PlainLoop {
     elements: Vec<(f64, f64)>,
     theta: f64,
@@ -218,10 +219,10 @@ fn the_memory_is_the_plain_loop_over_any_history() {
             let extension = plain.elements.iter().zip(&plain.springs).map(|((_, k), (x, _))| 0.5 * k * x * x);
             let stored: f64 = extension.sum();
             assert!((joint.stored_energy(&state) - stored).abs() < 1e-11 * law.energy(law.phi_max()));
-            // The mean force of the way takes from the motion what is stored and, if anything, more.
+            // The mean force on the way takes from the motion the energy that is stored, and possibly more.
             let work = (0.5 * (before.1 + force) + beyond.0) * (u - before.0);
             assert!(work.is_finite());
-            // A step by the equation: it holds where the solution ends.
+            // A step computed from the equation of motion: the equation holds at the end of the step.
             let mut stepped = state.clone();
             let stiffness = law.initial_stiffness() * (0.1 + random.next_symmetric().abs());
             let load = 2.0 * law.slip_force() * random.next_symmetric();
@@ -250,7 +251,7 @@ fn work_on_a_way_is_stored_or_rubbed_away_and_never_comes_from_friction() {
         let lost = done - (joint.stored_energy(&state) - stored);
         assert!(lost > -1e-12 * law.energy(law.phi_max()), "{lost}");
         rubbed += lost;
-        // The same way in a thousand steps, by the trapezoidal rule.
+        // The work over the same way in a thousand steps, by the trapezoidal rule.
         let mut last = joint.joint_force(&fine);
         for n in 1..=1000 {
             let force = joint.advance(&mut fine, from + (u - from) * f64::from(n) / 1000.0);
@@ -262,7 +263,7 @@ fn work_on_a_way_is_stored_or_rubbed_away_and_never_comes_from_friction() {
     assert!(work.abs() < 1e-3 * rubbed, "{work} of {rubbed}");
 }
 
-/// Dissipation and first-harmonic stiffness of the last of some cycles with amplitudes `amplitudes`.
+/// Dissipation and first-harmonic stiffness of the last of several cycles with these `amplitudes`.
 fn driven(law: &FiveParameter, bins: usize, amplitudes: &[f64]) -> [f64; 2] {
     const STEPS: i32 = 4000;
     let mut table = Vec::new();
@@ -302,12 +303,12 @@ fn cycles_depend_on_what_was_before() {
                 assert!((found[0] / exact[0] - 1.0).abs() < 5e-3, "{law:?} {ratio}: {found:?} {exact:?}");
                 assert!((found[1] - exact[1]).abs() < 5e-3 * (law.initial_stiffness() - exact[1]).max(1.0));
             };
-            // From rest, and after loud cycles that die away slowly.
+            // From rest, and after large cycles that die away slowly.
             near(driven(&law, 5000, &[u, u]), law);
             let loud: Vec<f64> =
                 (0..=3000).map(|n| u * (3.0_f64).powf(1.0 - f64::from(n) / 3000.0)).collect();
             near(driven(&law, 5000, &loud), law.after(3.0 * u));
-            // After a cycle only a little louder the sliders between stick.
+            // After a cycle of only a little larger amplitude, the sliders between the two amplitudes stick.
             let little = [1.05 * u, u, u];
             near(driven(&law, 5000, &little), law.after(1.05 * u));
         }
@@ -335,7 +336,7 @@ fn released(law: &FiveParameter, bins: usize, dt: f64, samples: usize, at: f64) 
 
 #[test]
 fn steps_are_of_second_order_across_breaks_and_their_balance_closes() {
-    // Through macro-slip, where the Dirac of a third of the stiffness breaks loose and its force drops by 40 %.
+    // Through macro-slip, where the Dirac element with a third of the stiffness breaks loose and its force drops by 40 %.
     let law = FiveParameter::new(4.45e4, 239.4, -0.183, 0.5, 0.6).unwrap();
     let at = 1.5 * law.phi_max();
     let run = |fraction: usize| released(&law, 20, 1e-4 / fraction as f64, 400 * fraction + 1, at);
@@ -364,7 +365,7 @@ fn without_a_drop_the_steps_are_those_of_the_plain_memory() {
     let scheme = Newmark::prewarped(1e-4, mode.omega0()).unwrap();
     let mut out = Buffers::new(2000);
     scheme.integrate_sliders(&mode, &sliders, &mut state, 0.0, &[], &mut out.samples()).unwrap();
-    // A kink within a step is of second order for both, and not the same.
+    // A kink within a step gives both schemes an error of second order, but not the same error.
     let pairs = found.out.0[0].iter().zip(&out.0[0]);
     let worst = pairs.fold(0.0_f64, |m, (a, b)| m.max((a - b).abs()));
     assert!(worst < 2e-3 * at, "{}", worst / at);
@@ -383,7 +384,7 @@ fn averaging_follows_the_steps_of_a_decay() {
         let mut slow = Averaging::new(&mode, &after, Motion::held_at(at)).unwrap();
         let mut out = Buffers::new(25_001);
         slow.sample(2e-5, &mut out.samples()).unwrap();
-        // Peaks of the last tenth: amplitudes, without the phase.
+        // Peaks of the last tenth of the record are compared: amplitudes, without the phase.
         let last = |q: &[f64]| q[22_500..].iter().fold(0.0_f64, |m, q| m.max(q.abs()));
         let (steps, averaged) = (last(&found.out.0[0]), last(&out.0[0]));
         assert!((averaged / steps - 1.0).abs() < tolerance, "{theta} {ratio}: {averaged} {steps}");
@@ -403,7 +404,7 @@ fn what_rests_on_masing_s_rule_refuses_it() {
     refused(Plain::new(sliders).virgin(vec![0.0; sliders.len()]).err());
     refused(Continuum::new(law).virgin(vec![Reversal::default(); 8]).err());
     refused(one_harmonic(&law, 1e-3, &mut [0.0], &mut [0.0]).err());
-    // Without a drop it obeys the rule.
+    // Without a drop of friction the law obeys Masing's rule.
     let four = FiveParameter::new(4.45e4, 239.4, -0.183, 0.3, 1.0).unwrap();
     assert!(Continuum::new(four).virgin(vec![Reversal::default(); 8]).is_ok());
     for theta in [0.0, -0.1, 1.1, f64::NAN] {

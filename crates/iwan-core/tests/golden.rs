@@ -1,4 +1,4 @@
-//! Closed forms against 40-digit arithmetic.
+//! Closed forms against arithmetic of 40 digits.
 //!
 //! Source of the numbers: mpmath with mp.dps = 40, rounded to 16 digits, for Table 1 and the three modes of Table 2
 //! of Deaner et al. With c = (χ+1)/(χ+2) and x = min(u, φ_max), φ_max = F_S (1+β)/(K_T (β+c)), R = F_S
@@ -91,7 +91,7 @@ fn first_harmonic_factor() {
 
 #[test]
 fn printed_eq_17_is_an_asymptote() {
-    // Its overshoot 4 u F_S / D(u) at the onset of macro-slip and at 10 φ_max, from D in the tests above: Table 1 has
+    // Its overshoot 4 u F_S / D(u) at the onset of macro-slip and at 10 φ_max, with D from the tests above: for Table 1 it is
     // 4 · 0.0025771613 · 300 / 1.0923481 = 2.831 and 10 · 4 · 0.0025771613 · 300 / 28.925690 = 1.069.
     for (set, onset, far) in [(TABLE_1, 2.83, 0.069), (MODE_1, 4.70, 0.085), (MODE_3, 5.25, 0.088)] {
         let joint = joint(set);

@@ -59,7 +59,7 @@ fn displacements(legs: &[Leg], strengths: &[f64]) -> Vec<f64> {
 
 fn population() -> impl Strategy<Value = (Vec<f64>, Vec<f64>)> {
     prop_oneof![
-        // Ties and an element of no strength are part of it.
+        // Sliders of equal strength and a slider of zero strength are included.
         prop::collection::vec((prop_oneof![Just(0.0), Just(0.25), Just(1.0), 0.0..1.0], 0.01..1.0), 1..24)
             .prop_map(|mut e: Vec<(f64, f64)>| {
                 e.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -78,7 +78,7 @@ fn population() -> impl Strategy<Value = (Vec<f64>, Vec<f64>)> {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 10_000, failure_persistence: None, ..ProptestConfig::default() })]
 
-    /// Run-length memory, and Masing's rule on the same population, to 1e-13 of the largest force.
+    /// Run-length memory, and Masing's rule on the same population, agree with the plain loop to 1e-13 of the largest force.
     #[test]
     fn run_length_and_masing_agree_with_the_plain_loop((strength, stiffness) in population(), legs in prop::collection::vec(leg(), 1..12)) {
         let mut table = vec![Slider::default(); strength.len() + 1];
@@ -98,13 +98,13 @@ proptest! {
             prop_assert!((found - expected).abs() <= 1e-13 * largest, "runs at {u}: {found} {expected}");
             prop_assert!((sliders.stored_energy(&fast) - plain.stored_energy(&slow)).abs() <= 1e-12 * room);
             let found = masing.advance(&mut stack, u);
-            // The stack stores displacements: far out, their own rounding enters.
+            // The stack stores displacements; where these are large, their own rounding adds to the error.
             prop_assert!((found - expected).abs() <= 1e-13 * largest * far, "masing at {u}: {found} {expected}");
             prop_assert!((masing.stored_energy(&stack) - plain.stored_energy(&slow)).abs() <= 1e-12 * room * far);
         }
     }
 
-    /// One implicit step solves its equation, whichever way the force is evaluated.
+    /// One implicit step solves its equation, whichever memory evaluates the force.
     #[test]
     fn implicit_steps_agree((strength, stiffness) in population(), loads in prop::collection::vec((-2.0..2.0, 0.0..1.0), 1..30), log_k in -2.0..6.0) {
         let mut table = vec![Slider::default(); strength.len() + 1];

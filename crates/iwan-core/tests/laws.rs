@@ -1,4 +1,4 @@
-//! Laws that every joint obeys: Masing, return-point memory, dissipation, exact moments, quadrature.
+//! Rules that every joint law obeys: Masing's rule, return-point memory, dissipation, exact moments, quadrature.
 
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a failed test may panic and say why")]
 
@@ -25,7 +25,7 @@ fn close(a: f64, b: f64, tolerance: f64) -> bool {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 500, failure_persistence: None, ..ProptestConfig::default() })]
 
-    /// Masing: the branch behind a reversal is the virgin curve doubled in both directions.
+    /// Masing's rule: the branch after a reversal is the virgin curve enlarged by two in both directions.
     #[test]
     fn masing(joint in four_parameter(), amplitude in 0.01..3.0, share in 0.0..1.0) {
         let law = Continuum::new(joint);
@@ -48,7 +48,7 @@ proptest! {
             law.advance(state, -0.7 * a);
             law.advance(state, 0.2 * a);
         }
-        // Ever smaller loops, then straight through the outer path.
+        // Loops of decreasing size, then straight on through the outer path.
         let (mut low, mut high) = (-0.7 * a, 0.2 * a);
         for (i, t) in turns.iter().enumerate() {
             let to = low + t * (high - low);
@@ -62,7 +62,7 @@ proptest! {
         }
     }
 
-    /// A closed loop takes D(u), never less than nothing, and gives back what it stored; force stays within F_S.
+    /// A closed loop dissipates D(u), never less than nothing, and returns the energy it stored; the force stays within F_S.
     #[test]
     fn closed_loops_dissipate_d(joint in four_parameter(), amplitude in 0.01..3.0) {
         let a = amplitude * joint.phi_max();
@@ -71,7 +71,7 @@ proptest! {
         let mut state = sliders.virgin(vec![Run::default(); sliders.len()]).unwrap();
         sliders.advance(&mut state, a);
         let stored = sliders.stored_energy(&state);
-        // Piecewise linear: the trapezoidal rule over the breaks is exact, over many steps nearly so.
+        // The force is piecewise linear: the trapezoidal rule is exact with its breaks as nodes, and nearly so with many steps.
         let (mut work, mut last) = (0.0, (a, sliders.joint_force(&state)));
         for i in 1..=8000 {
             let u = a * (std::f64::consts::TAU * f64::from(i) / 8000.0).cos();
@@ -93,7 +93,7 @@ proptest! {
         prop_assert!((slope - (joint.chi() + 3.0)).abs() < 1e-9);
     }
 
-    /// Graded and uniform bins keep K_T and F_S to rounding, and bins lie in order.
+    /// Graded and uniform bins preserve K_T and F_S to rounding, and are in ascending order.
     #[test]
     fn discretisation_keeps_stiffness_and_slip_force(joint in four_parameter(), bins in 1_usize..400, graded in any::<bool>()) {
         let grid = if graded { Grid::graded(bins) } else { Grid::Uniform };
@@ -115,14 +115,14 @@ proptest! {
     }
 }
 
-/// Adaptive check of the closed forms against the definition F = ∫ρ min(φ, u) dφ + …, by quadrature of the density.
+/// The closed forms against the definition F = ∫ρ min(φ, u) dφ + …, by adaptive quadrature of the density.
 #[test]
 fn closed_forms_agree_with_quadrature_of_the_density() {
     const RULE: Rule<24> = Rule::gauss_legendre();
     for (chi, beta) in [(-0.3, 0.02), (-0.183, 0.3), (0.5, 1.0), (-0.9, 0.0)] {
         let joint = FourParameter::new(2.0e5, 300.0, chi, beta).unwrap();
         let (end, r, s) = (joint.phi_max(), joint.r(), joint.s());
-        // φ = end·t^m with m (χ+1) = 4 takes the singularity at zero out of ρ dφ.
+        // φ = end·t^m with m (χ+1) = 4 removes the singularity of ρ dφ at zero.
         let m = 4.0 / (chi + 1.0);
         let density = |f: &dyn Fn(f64) -> f64, to: f64| {
             let value = |t: f64| r * end.powf(chi + 1.0) * m * t.powi(3) * f(end * t.powf(m));
@@ -149,7 +149,7 @@ fn closed_forms_agree_with_quadrature_of_the_density() {
                 joint.dissipation(u)
             );
             assert!(close(joint.energy(u), energy, 1e-11), "G {chi} {ratio}");
-            // First harmonic of a closed cycle by the descending branch, in pieces around the corner at φ_max.
+            // First harmonic of a closed cycle from the descending branch, in pieces on both sides of the corner at φ_max.
             let corner = if u > end { (1.0 - 2.0 * end / u).acos() } else { std::f64::consts::PI };
             let branch = |theta: f64| {
                 (joint.force(u) - 2.0 * joint.force(0.5 * u * (1.0 - theta.cos()))) * theta.cos()
@@ -173,7 +173,7 @@ fn closed_forms_agree_with_quadrature_of_the_density() {
     }
 }
 
-/// The continuum's hysteretic force against 10^5 sliders, on a history with nested loops and macro-slip.
+/// The hysteretic force of the continuum against that of 10^5 sliders, on a history with nested loops and macro-slip.
 #[test]
 fn continuum_agrees_with_a_hundred_thousand_sliders() {
     let joint = FourParameter::new(4.45e4, 239.4, -0.183, 0.3).unwrap();
@@ -194,9 +194,9 @@ fn continuum_agrees_with_a_hundred_thousand_sliders() {
     assert!(worst < 2e-8 * joint.f_s(), "{:e}", worst / joint.f_s());
 }
 
-/// What the documentation of `Grid` says of the defaults, in D: that of a mode holds 0.5 % from 0.001 to 0.3 φ_max,
-/// that of a structure 1.1 % from 1e-5 on, where the other has lost everything. A ratio of 1.08 does not hold: 100
-/// bins begin at 1.08^-99 = 4.9e-4 φ_max, and all below is one slider. Equal bins are worse: no dissipation at all
+/// The statements in the documentation of `Grid` on the errors of D with the default grids: that of a mode stays within 0.5 % from 0.001 to 0.3 φ_max,
+/// that of a structure within 1.1 % from 1e-5 φ_max on, where the former has lost all dissipation. A ratio of 1.08 is not good enough: 100
+/// bins begin at 1.08^-99 = 4.9e-4 φ_max, and all strengths below are one slider. Equal bins are worse: no dissipation at all
 /// below the first strength.
 #[test]
 fn graded_bins_hold_the_dissipation() {
@@ -227,7 +227,7 @@ fn graded_bins_hold_the_dissipation() {
     }
 }
 
-/// A graded grid is the geometric one that begins at its smallest strength, and a number out of range is named.
+/// A graded grid is the geometric grid that begins at its smallest strength, and a number out of range is named.
 #[test]
 fn grids_of_one_family_agree() {
     let joint = FourParameter::new(2.75e5, 300.0, -0.3, 0.02).unwrap();
@@ -250,7 +250,8 @@ fn grids_of_one_family_agree() {
     }
 }
 
-/// Families meet where they should: the full uniform band is χ = 0, β = 0; a narrow one and a tabulated one too.
+/// Families of laws agree in common limits: a uniform band from zero is χ = 0, β = 0; a narrow band and a tabulated density have such
+/// limits, too.
 #[test]
 fn families_agree_at_their_limits() {
     let four = FourParameter::new(4e4, 60.0, 0.0, 0.0).unwrap();
@@ -279,7 +280,7 @@ fn families_agree_at_their_limits() {
     }
 }
 
-/// When the stack of reversals is full the loop that goes is the smallest, and its cost is told and bounds the error.
+/// When the stack of reversals is full, the smallest loop is forgotten; the stated cost of this bounds the error.
 #[test]
 fn full_stack_reports_what_it_forgets() {
     let joint = FourParameter::new(4.45e4, 239.4, -0.183, 0.3).unwrap();

@@ -1,4 +1,4 @@
-//! Every mended bug has a test named after it.
+//! Tests of bugs that were fixed, each named after its bug.
 
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a failed test may panic and say why")]
 
@@ -20,7 +20,7 @@ fn oscillator(zeta: f64) -> Oscillator {
     Oscillator::new(124.0, zeta, 4.45e4, ResidualStiffness::Positive).unwrap()
 }
 
-/// Steps below the last place of the displacement once went round for ever.
+/// Steps below the last place of the displacement once led to an endless loop.
 #[test]
 fn continuum_steps_end_when_the_motion_has_died_away() {
     for (zeta, load, steps) in
@@ -63,7 +63,7 @@ proptest! {
         }
     }
 
-    /// With three places in the stack the bound on what was forgotten holds (with two it did not).
+    /// With at least three places in the stack, the stated bound on the forgotten force holds; with two places it did not.
     #[test]
     fn forgotten_force_is_a_bound(places in 3_usize..7, turns in prop::collection::vec(-1.5..1.5, 1..60)) {
         let joint = mode_1();
@@ -78,8 +78,8 @@ proptest! {
     }
 }
 
-/// A short step behind a long one, both in macro-slip: the trial point told by the long one lay 39 away from a solution 2e-6 away, and the step kept
-/// 8 of its 16 digits.
+/// A short step after a long one, both in macro-slip: the trial point extrapolated from the long step once lay 39 away, where the solution
+/// was only 2e-6 away, and the step kept 8 of its 16 digits.
 #[test]
 fn a_short_step_behind_a_long_one_keeps_its_digits() {
     let joint = Continuum::new(mode_1());
@@ -97,7 +97,7 @@ fn two_places_for_reversals_are_refused() {
     assert!(Continuum::new(mode_1()).virgin([Reversal::default(); 2]).is_err());
 }
 
-/// Averaging once went round for ever when a² underflowed, and gave NaN at rest.
+/// Averaging once looped for ever when a² underflowed, and gave NaN at rest.
 #[test]
 fn averaging_dies_away_and_rests() {
     let (joint, mut out) = (mode_1(), Buffers::new(1201));
@@ -110,7 +110,7 @@ fn averaging_dies_away_and_rests() {
     }
 }
 
-/// A pulse that ends between samples, one unit in the last place behind a sub-step, once ran on.
+/// A pulse that ended between samples, one unit in the last place after a sub-step, once went on.
 #[test]
 fn events_follow_a_force_that_ends_between_samples() {
     let linear = Jenkins::new(1e-150, 1e150).unwrap();
@@ -128,7 +128,7 @@ fn events_follow_a_force_that_ends_between_samples() {
     };
     let (w, z) = (mode.omega0(), mode.damping_ratio());
     let wd = w * (1.0 - z * z).sqrt();
-    // Unit step response, and the difference of two for a step that ends.
+    // The response to a unit step, and the difference of two such responses for a step that ends.
     let step = |t: f64| {
         if t <= 0.0 {
             0.0
@@ -142,7 +142,7 @@ fn events_follow_a_force_that_ends_between_samples() {
         let t = dt * n as f64;
         assert!((q - (step(t) - step(t - duration))).abs() < 1e-13 * 2.0 / (w * w) + 1e-20, "{n}");
     }
-    // A half-sine: the same whatever the sampling.
+    // A half-sine pulse gives the same response whatever the sampling.
     let pulse = Pulse::HalfSine { amplitude: 1.0, duration: 5.05e-5 };
     let (coarse, fine) = (run(pulse, 1.0 / 51200.0, 65), run(pulse, 0.25 / 51200.0, 257));
     for (n, q) in coarse.iter().enumerate() {
@@ -150,7 +150,7 @@ fn events_follow_a_force_that_ends_between_samples() {
     }
 }
 
-/// A mode that creeps towards equilibrium once took steps without end.
+/// A mode that creeps towards equilibrium once needed endlessly many steps.
 #[test]
 fn creeping_ends() {
     let joint = mode_1();
@@ -166,7 +166,7 @@ fn creeping_ends() {
     assert!(std::iter::from_fn(|| overdamped.next()).take(100).count() < 100);
 }
 
-/// Infinite displacements and loads once sent the search along the strengths round for ever.
+/// Infinite displacements and loads once made the search along the strengths loop for ever.
 #[test]
 fn values_that_are_not_finite_move_nothing() {
     let joint = mode_1();
@@ -220,12 +220,12 @@ fn a_pulse_does_nothing_before_it_begins() {
     }
 }
 
-/// A step whose first trial point lay beyond macro-slip once ended behind its start, where no equation is solved.
+/// A step whose first trial point lay beyond macro-slip once ended behind its start, where its equation does not hold.
 #[test]
 fn soft_steps_behind_a_stop_end_ahead_of_their_start() {
     let joint = Continuum::new(Jenkins::new(1.0, 1.0).unwrap());
     let mut state = joint.virgin([Reversal::default(); 8]).unwrap();
-    // The trail of the first two tells the third to begin at 2.9, where the slider slips.
+    // The trail of the first two steps makes the third begin its search at 2.9, where the slider slips.
     for load in [0.29, 1e-15, 0.2] {
         let force = joint.joint_force(&state);
         let du = joint.solve(&mut state, 1e-4, load);
@@ -234,7 +234,7 @@ fn soft_steps_behind_a_stop_end_ahead_of_their_start() {
     }
 }
 
-/// A step whose first trial point lay 1e-20 off its start once took the tangent there for that of its whole way.
+/// A step whose first trial point lay 1e-20 off its start once used the tangent at that point for its whole way.
 #[test]
 fn a_blow_upon_a_joint_all_but_at_rest_bends_its_force() {
     let law = FourParameter::new(1.0, 1.0, 1.0, 0.0).unwrap();
@@ -247,7 +247,7 @@ fn a_blow_upon_a_joint_all_but_at_rest_bends_its_force() {
     assert!((found - expected).abs() < 1e-14, "{found} {expected}");
 }
 
-/// sin π, which is not 0 once rounded, times the slip force once outweighed the first harmonic of small cycles.
+/// The rounded sin π, which is not 0, times the slip force once exceeded the first harmonic of small cycles.
 #[test]
 fn the_first_harmonic_of_a_small_cycle_is_the_initial_stiffness() {
     let joint = Uniform::new(1000.0, 5.0, 1.0).unwrap();
@@ -257,7 +257,7 @@ fn the_first_harmonic_of_a_small_cycle_is_the_initial_stiffness() {
     }
 }
 
-/// The rounding of a square root was once 1e-9 of the first harmonic where macro-slip sets in.
+/// The rounding of a square root was once as large as 1e-9 of the first harmonic where macro-slip sets in.
 #[test]
 fn the_first_harmonic_is_smooth_where_macro_slip_sets_in() {
     let joint = mode_1();
@@ -269,8 +269,9 @@ fn the_first_harmonic_is_smooth_where_macro_slip_sets_in() {
     }
 }
 
-/// Whether a loop closes was once asked with the rounding of φ_max, where distances are differences of displacements that are many times larger: the map of half cycles gave up
-/// on decays from there, some of them at the release, and searches for parameters stopped at such points.
+/// Whether a loop closes was once decided with the rounding of φ_max, although distances are differences of displacements that are many
+/// times larger. The half-cycle map then failed on decays from such displacements, some of them at the release, and searches for
+/// parameters stopped there.
 #[test]
 fn decays_from_far_beyond_macro_slip_have_all_their_turning_points() {
     let mut random = iwan_core::SplitMix64::new(7);

@@ -1,4 +1,4 @@
-//! Modes by their curves: the interpolation, and the ring-down of the mode that the curves were made from.
+//! Modes known by their curves: the interpolation, and the ring-down of the mode from which the curves were made.
 
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a failed test may panic and say why")]
 
@@ -32,7 +32,7 @@ fn the_cubics_are_those_of_pchip() {
         assert!((found.at(a).omega / (2.0 * PI) - frequency).abs() < 1e-10, "{a}");
         assert!((found.at(a).damping_ratio - 0.01).abs() < 1e-16);
     }
-    // Held beyond the points, and continuous there.
+    // Beyond the points the curves are constant, and they are continuous at the ends.
     assert_eq!(found.at(1e-9), found.at(0.0));
     assert_eq!(found.at(1.0), found.at(1e9));
     assert!((found.at(1e-4).omega - found.at(0.0).omega).abs() < 1e-12);
@@ -40,7 +40,7 @@ fn the_cubics_are_those_of_pchip() {
     assert!((smallest / 1e-4 - 1.0).abs() < 1e-14 && (largest / 1e-2 - 1.0).abs() < 1e-14);
 }
 
-/// Between two points the curve keeps to their values, whatever the points.
+/// Between two points the curve stays between their values, whatever the points.
 #[test]
 fn no_extremes_between_the_points() {
     let mut random = iwan_core::SplitMix64::new(7);
@@ -91,8 +91,8 @@ fn of_an_iwan_mode() -> Curves {
     curves(&amplitude, &frequency, &damping).unwrap()
 }
 
-/// Curves made from an Iwan mode reproduce its ring-down over 50 cycles, to first order in the damping: released at 0.05 and
-/// 0.5 φ_max the displacement is off by 2.4e-4 and 3.0e-3 of the release, the amplitude by 0.03 and 0.4 %.
+/// Curves of an Iwan mode reproduce its ring-down over 50 cycles, to first order in the damping. After a release at 0.05 and 0.5 φ_max the
+/// displacement is off by 2.4e-4 and 3.0e-3 of the released displacement, the amplitude by 0.03 and 0.4 %.
 #[test]
 fn curves_of_an_iwan_mode_reproduce_its_ring_down() {
     let (joint, mode, by_curves) = (joint(), oscillator(), of_an_iwan_mode());
@@ -101,7 +101,7 @@ fn curves_of_an_iwan_mode_reproduce_its_ring_down() {
         let start = Motion::held_at(share * joint.phi_max());
         let law = Continuum::new(joint);
         let mut state = law.virgin(vec![Reversal::default(); 256]).unwrap();
-        // Into the outer loop: a virgin joint that is released is not yet on a closed cycle.
+        // The joint is first brought onto its outer loop: a virgin joint that is released is not yet on a closed cycle.
         let mut truth = Buffers::new(samples);
         iwan_core::Hysteresis::advance(&law, &mut state, start.displacement);
         let scheme = Newmark::prewarped(dt, mode.omega0()).unwrap();
@@ -124,7 +124,7 @@ fn curves_of_an_iwan_mode_reproduce_its_ring_down() {
     }
 }
 
-/// Under a force, and at constant curves, the stepper is the linear mode.
+/// With constant curves the stepper reproduces the linear mode under a force.
 #[test]
 fn constant_curves_are_a_linear_mode() {
     let linear = Oscillator::new(100.0, 0.02, 0.0, ResidualStiffness::Positive).unwrap();
@@ -143,7 +143,7 @@ fn constant_curves_are_a_linear_mode() {
     assert!(CurveNewmark::new(&same, 6e-3, true).is_err());
 }
 
-/// Halving the step quarters the error, under a force and in the decay behind it.
+/// Half the step gives a quarter of the error, under a force and in the decay after it.
 #[test]
 fn the_stepper_is_of_second_order() {
     let by_curves = of_an_iwan_mode();

@@ -1,4 +1,4 @@
-//! No step and no force call allocates: counted by an allocator.
+//! No time step and no evaluation of a force allocates memory; an allocator counts the calls.
 
 #![allow(clippy::unwrap_used, reason = "a failed test may panic and say why")]
 
@@ -60,7 +60,7 @@ fn run_everything(out: &mut Samples<'_>) {
     coupled(&continuum, &sliders, &force[..used]);
 }
 
-/// Two modes that share one joint, then two.
+/// Two modes that share one joint, then two modes that share two joints.
 fn coupled(continuum: &Continuum<TabledFourParameter>, sliders: &Sliders<'_>, force: &[f64]) {
     let mode = |frequency: f64| {
         let oscillator = Oscillator::new(frequency, 0.0, 0.0, ResidualStiffness::Positive).unwrap();

@@ -19,12 +19,12 @@ fn one_harmonic_is_that_of_thirty_digits() {
         one_harmonic(&joint, ratio * joint.phi_max(), &mut cosine, &mut sine).unwrap();
         let found = [cosine[n / 2], sine[n / 2]];
         if ratio < 1.0 {
-            // Micro-slip: each of the two by itself.
+            // Micro-slip: cosine and sine coefficient are compared separately.
             assert!((found[0] / c - 1.0).abs() < 1e-13, "{chi} {beta} {ratio} {n}: {} {c}", found[0]);
             assert!((found[1] / s - 1.0).abs() < 1e-13, "{chi} {beta} {ratio} {n}: {} {s}", found[1]);
         } else {
-            // Macro-slip: either may pass through zero, and the 31st is down to 1e-5 of the force, where less than half a unit in the
-            // last place of the force is all that can be asked for.
+            // Macro-slip: either coefficient may pass through zero, and the 31st harmonic is as small as 1e-5 of the force. An error of
+            // half a unit in the last place of the force is therefore allowed.
             let error = (found[0] - c).hypot(found[1] - s);
             assert!(
                 error < (1e-13 * c.hypot(s)).max(1e-16 * F_S),

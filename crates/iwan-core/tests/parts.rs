@@ -20,13 +20,13 @@ fn part() -> impl Strategy<Value = Part> {
     ]
 }
 
-/// ∮ g(θ) dθ over one cycle of a cos θ, each quarter cut at the `corner`, with the nodes crowded at both ends of the
-/// pieces, where powers have corners.
+/// ∮ g(θ) dθ over one cycle of the displacement a cos θ. Each quarter cycle is cut at the `corner`, and nodes are dense at both ends of
+/// each piece, where power laws have corners.
 fn cycle(corner: f64, g: impl Fn(f64) -> f64) -> f64 {
     const RULE: Rule<64> = Rule::gauss_legendre();
     let piece = |from: f64, to: f64| {
         let way = to - from;
-        // θ = from + way (10 s³ - 15 s⁴ + 6 s⁵): flat at both ends.
+        // θ = from + way (10 s³ - 15 s⁴ + 6 s⁵), with zero slope at both ends.
         RULE.integrate(0.0, 1.0, |s| {
             let eased = s * s * s * (10.0 - s * (15.0 - 6.0 * s));
             30.0 * way * (s * (1.0 - s)).powi(2) * g(from + way * eased)
@@ -60,7 +60,7 @@ proptest! {
         prop_assert!((found.1 - lost).abs() <= 1e-9 * scale * a * a, "{part:?} {a}: {} {lost}", found.1);
     }
 
-    /// The energy is the work of the force, and its slope the tangent.
+    /// The energy is the work of the force, and the slope of the force is the tangent.
     #[test]
     fn energy_is_the_work_of_the_force(part in part(), u in -4.0..4.0_f64) {
         let h = 1e-5 * u.abs().max(1e-2);
@@ -80,7 +80,8 @@ proptest! {
     }
 }
 
-/// A mode with everything: stiffness and loss add up, and frequency, decay rate and damping ratio follow from them.
+/// A mode with all kinds of parts: stiffness and loss of the parts add up, and frequency, decay rate and damping ratio follow from the
+/// sums.
 #[test]
 fn the_law_of_a_mode_is_the_sum_of_its_parts() {
     use iwan_core::Backbone;
@@ -105,7 +106,7 @@ fn the_law_of_a_mode_is_the_sum_of_its_parts() {
     assert!((law.dissipation(a, w) / lost - 1.0).abs() < 1e-15);
     assert!((law.damping_ratio(a) / (lost / (2.0 * PI * (w * a).powi(2))) - 1.0).abs() < 1e-14);
     assert!((law.decay_rate(a) / (w * law.damping_ratio(a)) - 1.0).abs() < 1e-14);
-    // Without parts it is what the closed forms of the joint say.
+    // Without parts, the values are those of the joint's closed forms.
     let bare = ModalLaw::new(oscillator, Some(&joint), &[]);
     assert_eq!(bare.frequency(a), (oscillator.k_inf() + joint.harmonic_stiffness(a)).sqrt());
 }

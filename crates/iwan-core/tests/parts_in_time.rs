@@ -32,8 +32,8 @@ fn run(
     (out, end)
 }
 
-/// Dry friction on a linear spring: between two turning points a cosine about ±F/k, each half cycle 2 F/k smaller, until
-/// the mode sticks within F/k.
+/// Displacement under dry friction on a linear spring: between two turning points a cosine about ±F/k. Each half cycle is smaller by 2 F/k,
+/// until the mode sticks within F/k.
 fn dry_decay(released: f64, omega: f64, offset: f64, t: f64) -> f64 {
     let (mut amplitude, mut side) = (released, 1.0);
     let mut half_cycles = (t * omega / PI).floor();
@@ -53,7 +53,7 @@ fn dry_friction_is_exact_to_rounding_and_sticks() {
     let (omega, k) = (mode.omega0(), mode.k_inf());
     for (released, offset) in [(1.0, 0.013), (1.0, 0.3), (0.05, 0.0501), (-1.0, 0.0499)] {
         let parts = [Part::from(Coulomb::new(offset * k).unwrap())];
-        // No turning point falls on a sample.
+        // The times are chosen so that no turning point falls on a sample.
         let (dt, samples) = (0.007_3, 3000);
         let scheme = Newmark::prewarped(dt, omega).unwrap();
         let (out, end) = run(&scheme, &mode, &parts, Motion::held_at(released), &[], samples);
@@ -62,7 +62,7 @@ fn dry_friction_is_exact_to_rounding_and_sticks() {
             let exact = released.signum() * dry_decay(released.abs(), omega, offset, n as f64 * dt);
             assert!((q - exact).abs() < 2e-11, "{released} {offset} sample {n}: {q} {exact}");
         }
-        // At rest for good: nothing moves, and friction holds what the spring pulls with.
+        // The mode has come to rest for good: nothing moves, and friction holds the force of the spring.
         assert_eq!((v[samples - 1], a[samples - 1]), (0.0, 0.0));
         assert!((force[samples - 1] + k * q[samples - 1]).abs() < 1e-12 * k);
         assert!(end.energy.error() < 1e-13, "{:?}", end.energy);
@@ -70,7 +70,7 @@ fn dry_friction_is_exact_to_rounding_and_sticks() {
     }
 }
 
-/// A force that rises slowly breaks the mode loose where it reaches F, between two samples, and not before.
+/// A mode at rest under a slowly rising force breaks loose where the force reaches F, between two samples, and not earlier.
 #[test]
 fn a_mode_at_rest_departs_when_the_force_exceeds_the_friction() {
     let mode = linear(2.0, 0.0);
@@ -78,7 +78,7 @@ fn a_mode_at_rest_departs_when_the_force_exceeds_the_friction() {
     let parts = [Part::from(Coulomb::new(friction).unwrap())];
     let (dt, samples, rate) = (1e-3, 400, 5.0);
     let force: Vec<f64> = (0..samples).map(|n| rate * n as f64 * dt).collect();
-    // The plain scheme: prewarping scales a lasting force by 1 + (ω0 dt)²/6.
+    // The plain scheme is used because prewarping scales a lasting force by 1 + (ω0 dt)²/6.
     let scheme = Newmark::average_acceleration(dt).unwrap();
     let (out, end) = run(&scheme, &mode, &parts, Motion::default(), &force, samples);
     let loose = friction / rate;
@@ -93,7 +93,7 @@ fn a_mode_at_rest_departs_when_the_force_exceeds_the_friction() {
     assert!(end.energy.error() < 1e-13, "{:?}", end.energy);
 }
 
-/// Quadratic damping alone has a first integral: a half cycle from A to -B keeps (1 - 2cB) e^(2cB) = (1 + 2cA) e^(-2cA)
+/// Under quadratic damping alone a half cycle from A to -B has a first integral: (1 - 2cB) e^(2cB) = (1 + 2cA) e^(-2cA)
 /// (J. P. Den Hartog, Mechanical Vibrations).
 #[test]
 fn quadratic_damping_has_its_exact_decrement() {
@@ -110,7 +110,7 @@ fn quadratic_damping_has_its_exact_decrement() {
         let [q, v, ..] = &out.0;
         let mut from = 1.0;
         for n in (2..samples).filter(|&n| v[n - 1] * v[n] < 0.0) {
-            // The turning point by the parabola through the sample before.
+            // The turning point from the parabola through this sample and the ones before.
             let share = v[n - 1] / (v[n - 1] - v[n]);
             let to = q[n - 1] + 0.5 * share * v[n - 1] * dt;
             let (a, b) = (2.0 * c * from, 2.0 * c * to.abs());
@@ -142,21 +142,21 @@ fn a_cubic_spring_has_the_period_of_the_elliptic_integral() {
         let miss = |steps: usize| {
             let scheme = Newmark::average_acceleration(period / steps as f64).unwrap();
             let (out, end) = run(&scheme, &mode, &parts, Motion::held_at(1.0), &[], 5 * steps + 1);
-            // Nothing is lost: to rounding, whatever the step.
+            // The energy is constant to rounding, whatever the step.
             assert!(end.energy.friction.abs() < 1e-11 * end.energy.initial, "{:?}", end.energy);
             assert!(end.energy.error() < 1e-11, "{:?}", end.energy);
             out.0[1][5 * steps].abs() / mode.omega0()
         };
         let (coarse, fine) = (miss(500), miss(1000));
         assert!(fine < 6e-4 && (coarse / fine - 4.0).abs() < 0.1, "{cubic}: {coarse} {fine}");
-        // First harmonic: the mean frequency within a few thousandths at this strong amplitude.
+        // The first-harmonic frequency is within a few thousandths of the exact one at this large amplitude.
         let law = ModalLaw::<Jenkins>::new(mode, None, &parts);
         assert!((law.frequency(1.0) * period / (2.0 * PI) - 1.0).abs() < 0.02, "{cubic}");
     }
 }
 
-/// A pendulum: viscous, dry and quadratic damping and a cubic spring that softens. The numbers are those of
-/// `tests/peers/pendulum.py`: SciPy's DOP853 at a tolerance of 1e-13, half cycle by half cycle.
+/// A pendulum with viscous, dry and quadratic damping and a softening cubic spring. The numbers are those of `tests/peers/pendulum.py`, by
+/// SciPy's DOP853 with a tolerance of 1e-13, half cycle by half cycle.
 #[test]
 fn a_pendulum_follows_an_independent_integration() {
     let golden = [
@@ -181,11 +181,11 @@ fn a_pendulum_follows_an_independent_integration() {
     };
     let (coarse, fine) = (miss(250), miss(1000));
     assert!(fine.iter().all(|miss| *miss < 2e-6), "{fine:?}");
-    // Second order, dry friction included.
+    // The scheme is of second order, dry friction included.
     assert!((coarse[1] / fine[1] - 16.0).abs() < 0.5, "{coarse:?} {fine:?}");
 }
 
-/// All parts beside a joint, under a blow, on sliders and on the continuum: the energy closes to rounding.
+/// With all parts beside a joint, under a blow, the energy balance closes to rounding, on sliders and in the continuum.
 #[test]
 fn the_energy_closes_with_a_joint_and_all_parts() {
     let joint = FourParameter::new(4.45e4, 239.4, -0.183, 0.3).unwrap();
@@ -218,7 +218,7 @@ fn the_energy_closes_with_a_joint_and_all_parts() {
     assert!(worst(&cut.0[0], &whole.0[0]) < 1e-3, "{}", worst(&cut.0[0], &whole.0[0]));
 }
 
-/// Without parts the stepper is Newmark's method, to rounding: sticking, sliding and springs are what it adds.
+/// Without parts, the stepper is Newmark's method to rounding: it differs only by sticking, sliding and springs.
 #[test]
 fn without_parts_it_is_newmarks_method() {
     let joint = FourParameter::new(4.45e4, 239.4, -0.183, 0.3).unwrap();
@@ -240,8 +240,8 @@ fn without_parts_it_is_newmarks_method() {
     assert!(WithParts::new(&Newmark::new(1e-5, 0.3, 0.6).unwrap(), &mode, &[]).is_err());
 }
 
-/// A damper whose force is a root of the velocity has an infinite slope at rest: there the steps are of order 3/2,
-/// four times as many leave an eighth.
+/// A damper whose force is the root of the velocity has an infinite slope at rest. There the steps are of order 3/2: with four times as
+/// many, an eighth of the error is left.
 #[test]
 fn a_root_of_the_velocity_converges() {
     let mode = linear(1.0, 0.0);
@@ -257,7 +257,7 @@ fn a_root_of_the_velocity_converges() {
     assert!(fine < 1e-5 && coarse / fine > 6.0, "{coarse} {fine}");
 }
 
-/// Averaging: closed forms of single dampers, and the stepper for all together.
+/// Averaging agrees with closed forms of single dampers, and with the stepper for all parts together.
 #[test]
 fn averaging_follows_closed_forms_and_the_stepper() {
     let mode = linear(10.0, 0.0);
@@ -275,7 +275,7 @@ fn averaging_follows_closed_forms_and_the_stepper() {
         let exact = 0.5 - 2.0 * 1.5 / (PI * omega) * t;
         assert!((at(&dry, t) / exact - 1.0).abs() < 1e-6, "{t}");
     }
-    // Long after dry friction has stopped it, and without time steps that never end.
+    // Averaging is evaluated long after dry friction has stopped the mode, which must not lead to endless time steps.
     assert!(at(&dry, 1e4) < 1e-100);
 
     let parts = [
@@ -295,7 +295,7 @@ fn averaging_follows_closed_forms_and_the_stepper() {
         let (a, b) = (energy(&slow, n), energy(&out, n));
         assert!((a / b - 1.0).abs() < 0.02, "{n}: {a} {b}");
     }
-    // A spring that softens until nothing is left is refused by name.
+    // A spring that softens until no stiffness is left is refused by name.
     let soft = [Part::from(PowerSpring::new(-1e5, 3.0).unwrap())];
     let refused = Averaging::of_law(ModalLaw::<Jenkins>::new(mode, None, &soft), start).unwrap_err();
     assert!(refused.to_string().contains("softens"), "{refused}");

@@ -1,4 +1,4 @@
-//! Steady loops against the return-point memory itself, against each other, and their derivatives.
+//! Coefficients of steady loops against the return-point memory, against each other, and their derivatives.
 
 #![allow(clippy::unwrap_used, reason = "a failed test may panic and say why")]
 
@@ -14,7 +14,7 @@ fn mode_1() -> FourParameter {
     FourParameter::new(4.45e4, 239.4, -0.183, 0.3).unwrap()
 }
 
-/// u(θ) of coefficients over all harmonics.
+/// u(θ) from its coefficients over all harmonics.
 fn at(x: &[f64], theta: f64) -> f64 {
     let pairs = x[1..].chunks(2).enumerate();
     x[0] + pairs
@@ -45,8 +45,8 @@ fn crossings(low: f64, high: f64, f: impl Fn(f64) -> f64) -> Vec<f64> {
     found
 }
 
-/// The coefficients of the force by the plain way: the return-point memory is led through a period, node by node of Gauss rules
-/// between all angles at which a loop might close or a corner of the law might be met.
+/// Coefficients of the force by the direct way: the return-point memory is led through a period, over the nodes of Gauss rules between all
+/// angles at which a loop might close or the law has a corner.
 fn plain<B: Backbone>(law: &B, x: &[f64]) -> Vec<f64> {
     const RULE: Rule<16> = Rule::gauss_legendre();
     let slope = |theta: f64| (at(x, theta + 1e-6) - at(x, theta - 1e-6)) / 2e-6;
@@ -70,7 +70,7 @@ fn plain<B: Backbone>(law: &B, x: &[f64]) -> Vec<f64> {
     joint.advance(&mut state, at(x, start));
     let mut force = vec![0.0; x.len()];
     for pair in ends.windows(2) {
-        // Nodes crowded at both ends: s -> s^4 on the first half, the same from the other end.
+        // Nodes are dense at both ends: s -> s^4 on the first half, mirrored on the second.
         let span = 0.5 * (pair[1] - pair[0]);
         for half in 0..2 {
             for panel in 0..12 {
@@ -107,8 +107,8 @@ fn jacobian<B: Backbone>(law: &B, harmonics: Harmonics, x: &[f64]) -> Vec<f64> {
     jacobian
 }
 
-/// Motions of seven harmonics: (size of the fundamental, of the others) in units of φ_max. The last ones turn round up to
-/// eight times a period.
+/// Motions of seven harmonics, with (size of the fundamental, size of the others) in units of φ_max. The last motions turn round up to
+/// eight times in a period.
 fn motions(phi: f64, odd: bool) -> Vec<Vec<f64>> {
     let mut random = SplitMix64::new(20_260_101);
     let sizes = [(0.3, 0.01), (0.6, 0.1), (1.7, 0.2), (0.5, 0.15), (1.2, 0.5), (6.0, 0.3), (0.2, 0.2)];
@@ -153,7 +153,7 @@ fn several_harmonics_are_what_the_memory_does() {
     check(&TabledFourParameter::new(mode_1()), 1e-10);
     check(&Jenkins::new(4.45e4, 239.4).unwrap(), 1e-10);
     check(&Uniform::new(1e3, 5.0, 0.4).unwrap(), 1e-10);
-    // The corners within the table's density are met by halving.
+    // Corners inside the table's density are found by halving intervals.
     let points = vec![DensityPoint::default(); 3];
     let table = Tabulated::new(&[0.0, 0.002, 0.01], &[1e5, 3e5, 2e5], 70.0, points).unwrap();
     check(&table, 1e-8);
@@ -222,7 +222,7 @@ fn one_harmonic_is_the_limit_of_several() {
     }
 }
 
-/// Against central differences, which are good to about 1e-9 of K_T.
+/// Compares the derivatives with central differences, which are good to about 1e-9 of K_T.
 fn check_jacobian<B: Backbone>(law: &B, harmonics: Harmonics, x: &[f64]) {
     let (count, k_t) = (x.len(), law.initial_stiffness());
     let found = jacobian(law, harmonics, x);
@@ -258,7 +258,7 @@ fn derivatives_are_those_of_the_force() {
 
 #[test]
 fn a_loop_is_born_at_zero_size() {
-    // u = cos θ + c cos 3θ turns round twice more from c = 1/9 on: force and derivatives do not jump there.
+    // From c = 1/9 on, u = cos θ + c cos 3θ turns round twice more in each period; force and derivatives do not jump there.
     let joint = mode_1();
     let motion = |c: f64| {
         let mut x = vec![0.0; 8];
@@ -277,7 +277,8 @@ fn a_loop_is_born_at_zero_size() {
 
 #[test]
 fn phase_does_not_matter() {
-    // A shift of the origin of θ turns every coefficient by its own angle, seam and sign included.
+    // A shift of the origin of θ turns each coefficient by its own angle, also where a loop crosses the end of the period or changes its
+    // sign.
     let joint = mode_1();
     let odd = Harmonics::odd(3).unwrap();
     let a = 0.8 * joint.phi_max();

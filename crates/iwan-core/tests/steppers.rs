@@ -60,11 +60,11 @@ fn run_continuum(scheme: &Newmark, oscillator: &Oscillator, force: &[f64], sampl
 /// Displacement of mode 1 (K_0 = (2π·125)², no damper) at 0.2 s, after a haversine of 1000 and 1.6 ms, by 20,000
 /// steps of 1e-5 s of plain average acceleration.
 ///
-/// The numbers come from a program in C and long double with nothing of this code: N bins of equal width from 0 to
-/// φ_max, each one slider of stiffness ∫ρ and strength ∫ρφ/∫ρ, and one of stiffness S at φ_max; in each step
-/// Newton's method on (4/h² + K_∞) Δq + Σ k_i (clip(x_i + Δq) - x_i) = p' - K_∞ q - F + (4/h) v + a, every slider
-/// by itself. The continuum: the same step with F_a ± 2 F(|u - u_a|/2) from a list of reversals, from which two are
-/// struck out where a loop closes. It prints -7.301570209561e-4, -7.303665715664e-4, -7.303699077768e-4 and
+/// The numbers come from a program in C and long double that shares nothing with this code: N bins of equal width from 0 to
+/// φ_max, each one slider of stiffness ∫ρ and strength ∫ρφ/∫ρ, and one slider of stiffness S at φ_max. In each step it uses
+/// Newton's method on (4/h² + K_∞) Δq + Σ k_i (clip(x_i + Δq) - x_i) = p' - K_∞ q - F + (4/h) v + a, with every slider
+/// by itself. For the continuum it takes the same step with F_a ± 2 F(|u - u_a|/2) from a list of reversals, from which two are
+/// removed where a loop closes. It prints -7.301570209561e-4, -7.303665715664e-4, -7.303699077768e-4 and
 /// -7.303701303929e-4.
 #[test]
 fn golden_displacement_at_the_end_of_the_ring_down() {
@@ -145,7 +145,7 @@ fn newmark_is_second_order() {
     });
 }
 
-/// General β and γ: first order with numerical damping for γ > 1/2, and the linear-acceleration scheme.
+/// General β and γ: the scheme is of first order with numerical damping for γ > 1/2; the linear-acceleration scheme is tested, too.
 #[test]
 fn general_newmark_schemes_converge() {
     let oscillator = Oscillator::new(124.0, 1e-3, 4.45e4, ResidualStiffness::Positive).unwrap();
@@ -182,14 +182,14 @@ fn general_newmark_schemes_converge() {
     });
 }
 
-/// Phase error after 200 cycles at dt = 1e-5, plain over prewarped, at 0.9 of the first strength, where nothing
-/// slips: that of the plain scheme is 200 cycles times the period error, 400 π (ω dt)²/12 = 6.36e-3 rad.
+/// Phase error of the plain scheme over that of the prewarped one, after 200 cycles at dt = 1e-5 and 0.9 of the first strength, where
+/// nothing slips. The plain scheme's is 200 cycles times the period error, 400 π (ω dt)²/12 = 6.36e-3 rad.
 #[test]
 fn prewarping_gains_a_factor_of_400_in_phase() {
     let (frequency, dt, cycles) = (124.0, 1e-5, 200.0);
     let oscillator = Oscillator::new(frequency, 0.0, 4.45e4, ResidualStiffness::Positive).unwrap();
     let samples = (cycles / frequency / dt) as usize + 1;
-    // Below the first strength the motion is q = (v0/ω0) sin ω0 t: read the phase from q and q' at the end.
+    // Below the first strength the motion is q = (v0/ω0) sin ω0 t: the phase follows from q and q' at the end.
     let phase_error = |scheme: &Newmark| {
         with_sliders(Grid::Uniform, 100, |sliders| {
             let mut out = Buffers::new(samples);
@@ -213,7 +213,7 @@ fn prewarping_gains_a_factor_of_400_in_phase() {
     assert!(warped * 400.0 < plain, "plain {plain:e}, prewarped {warped:e}");
 }
 
-/// The same gain on a ring-down with slip, against the event-driven solution.
+/// The same gain in phase on a ring-down with slip, against the event-driven solution.
 #[test]
 fn prewarping_gains_with_slip_as_well() {
     let oscillator = Oscillator::new(124.0, 0.0, 4.45e4, ResidualStiffness::Positive).unwrap();
@@ -299,8 +299,8 @@ impl Div for Double {
     }
 }
 
-/// Average acceleration in double-double, every slider by itself and one step's equation solved by walking
-/// over its breaks: the recurrence of the fast stepper with nothing of its code.
+/// Average acceleration in double-double arithmetic, with every slider by itself; the equation of a step is solved by passing from break to
+/// break. The recurrence is that of the fast stepper, but shares no code with it.
 fn double_double_run(
     elements: &[(f64, f64)],
     oscillator: &Oscillator,
@@ -322,7 +322,7 @@ fn double_double_run(
         let sign = if r.0 >= 0.0 { 1.0 } else { -1.0 };
         let mut dq = exactly(0.0);
         loop {
-            // Stiffness of the sliders that still stick in this direction, and the way to the next break.
+            // Stiffness of the sliders that still stick in this direction, and the distance to the next break.
             let (mut stiffness, mut way) = (keff, exactly(f64::MAX));
             for ((phi, k), x) in elements.iter().zip(&extension) {
                 let left = exactly(*phi) - exactly(sign) * *x;

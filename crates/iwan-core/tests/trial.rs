@@ -1,4 +1,4 @@
-//! The force ahead is the force that the motion then meets, and asking for it changes nothing.
+//! The force that a memory predicts ahead is the force that the motion then meets, and the prediction does not change the memory.
 #![allow(clippy::unwrap_used, reason = "a failed test may panic")]
 
 use iwan_core::{Backbone, Continuum, FourParameter, Grid, Reversal, Run, Slider, Sliders, Trial};
@@ -10,7 +10,7 @@ fn path() -> impl Strategy<Value = Vec<(f64, usize)>> {
     prop::collection::vec((step, 0_usize..8), 1..60)
 }
 
-/// Walks a path and compares at every point the force ahead with that of a copy that goes there.
+/// Follows a path, and compares at every point the predicted force with that of a copy that moves there.
 fn agree<State: Clone, J: Trial<State>>(
     joint: &J,
     mut state: State,
@@ -28,7 +28,7 @@ fn agree<State: Clone, J: Trial<State>>(
         let mut copy = state.clone();
         let there = joint.advance(&mut copy, u);
         assert!((ahead - there).abs() <= 1e-13 * force, "{here} -> {u}: {ahead} ahead, {there} there");
-        // A further small step in the same direction follows the tangent, or a smaller one behind a break.
+        // A further small step in the same direction has the predicted tangent as its slope, or a smaller slope behind a break.
         let more = 1e-7 * scale * 1.0_f64.copysign(u - here);
         let (beyond, next) = joint.trial(&state, u + more);
         let slope = (beyond - ahead) / more;

@@ -15,7 +15,7 @@ pub enum ExchangeError {
         /// Reason given by the operating system.
         source: std::io::Error,
     },
-    /// No format is known by this extension and content.
+    /// Neither extension nor content is that of a known format.
     #[error(
         "{}: unknown format ({found}); say format = \"abaqus\", \"op4\", \"dmig\", \"sierra\", \"calculix\", \"matlab\", \
          \"matrix-market\", \"npz\" or \"netcdf\"", .file.display()
@@ -23,10 +23,10 @@ pub enum ExchangeError {
     UnknownFormat {
         /// File.
         file: PathBuf,
-        /// What was looked at.
+        /// Extension and first bytes of the file, which decide its format.
         found: String,
     },
-    /// Something the format allows and this reader does not take.
+    /// The format allows this, but the reader does not support it.
     #[error("{}: {place}: {found} cannot be read; {remedy}", .file.display())]
     Unsupported {
         /// File.
@@ -53,7 +53,7 @@ pub enum ExchangeError {
 }
 
 impl ExchangeError {
-    /// Its kind in the catalogue of errors.
+    /// The error's kind in the catalogue of errors.
     #[must_use]
     pub fn kind(&self) -> Kind {
         match self {

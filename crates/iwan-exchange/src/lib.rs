@@ -1,23 +1,23 @@
 //! Matrices of other programs as triplets with row maps: Abaqus, Nastran, Sierra/SD, CalculiX, MATLAB, SciPy, Matrix Market.
 //!
-//! [`read`] turns a file into [`Matrix`] values: rows, columns, entries, and what the file says about the rows. Nothing here knows
-//! what a stiffness is. No count in a file is trusted for an allocation.
+//! [`read`] turns a file into [`Matrix`] values: rows, columns, entries, and what the file says about the rows. The physical meaning of a
+//! matrix, such as stiffness, plays no role here. No count in a file is trusted for an allocation.
 
-// What everything stands on: why a file was refused, a matrix, a file in memory that names itself in every error.
+// The basis: why a file was refused, a matrix, a file in memory that names itself in every error.
 mod error;
 mod matrix;
 mod source;
 
-// One room for each family of formats.
+// One module for each family of formats.
 mod text;
 mod nastran;
 mod packed;
 
-// One door to all formats, and the map from rows to nodes where it is a file of its own.
+// The entry point to all formats, and the map from rows to nodes where a file of its own holds it.
 mod read;
 mod row_map;
 
-// And out again.
+// Writers.
 mod write;
 
 pub use error::ExchangeError;

@@ -1,6 +1,6 @@
-//! A sparse matrix as it stands in a file: triplets, and what the file says about its rows.
+//! A sparse matrix as a file stores it: triplets, and what the file says about the rows.
 
-/// Which degree of freedom of a node a row is.
+/// The degree of freedom of a node that a row stands for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Component {
     /// Displacement along x, y or z (0, 1, 2).
@@ -12,7 +12,7 @@ pub enum Component {
 }
 
 impl Component {
-    /// From the number that finite-element programs use: 1 to 3 displacements, 4 to 6 rotations, 0 a scalar.
+    /// The component with the number that finite-element programs use: 1 to 3 displacements, 4 to 6 rotations, 0 a scalar.
     ///
     /// ```
     /// use iwan_exchange::Component;
@@ -40,7 +40,7 @@ impl Component {
     }
 }
 
-/// What a row is: a component of a node.
+/// The meaning of a row: a component of a node.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Label {
     /// Number of the node in the program that wrote the file.
@@ -58,9 +58,9 @@ impl std::fmt::Display for Label {
 /// Which entries of a symmetric matrix a file holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Stored {
-    /// All of them.
+    /// All entries.
     All,
-    /// One triangle: an entry off the diagonal stands for two.
+    /// One triangle: an entry off the diagonal stands for itself and its mirror image.
     Triangle,
 }
 
@@ -70,7 +70,7 @@ pub type Entry = (u32, u32, f64);
 /// A matrix of a file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Matrix {
-    /// Its name in the file; empty where the format has none.
+    /// The matrix's name in the file; empty where the format has no names.
     pub name: String,
     /// Number of rows.
     pub rows: usize,
@@ -78,18 +78,18 @@ pub struct Matrix {
     pub columns: usize,
     /// Entries in the order of the file; entries at one place add up.
     pub entries: Vec<Entry>,
-    /// Whether an entry off the diagonal stands for two.
+    /// Which entries of a symmetric matrix `entries` holds.
     pub stored: Stored,
-    /// What each row is, where the file says so.
+    /// The meaning of each row, where the file states it.
     pub labels: Option<Vec<Label>>,
-    /// Whether the file holds complex numbers; `entries` are their real parts then.
+    /// Whether the file holds complex numbers; `entries` then holds their real parts.
     pub complex: bool,
 }
 
-/// Two entries that should be the same.
+/// Two entries of a matrix that should be equal by symmetry, but are not.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Asymmetry {
-    /// Row, from 0, above the column.
+    /// Row, from 0; always greater than the column.
     pub row: usize,
     /// Column, from 0.
     pub column: usize,
@@ -100,12 +100,12 @@ pub struct Asymmetry {
 }
 
 impl Matrix {
-    /// The lower triangle, column by column, rows ascending, each place once; of a matrix whose file holds both triangles the mean of the
-    /// two entries.
+    /// The lower triangle, column by column with rows ascending, each place once. Where the file holds both triangles, each value is the
+    /// mean of the two entries.
     ///
     /// # Errors
-    /// The [`Asymmetry`] that is largest against `tolerance` times the geometric mean of the two diagonal entries (or, where one of them
-    /// is zero, the larger of the two entries).
+    /// The [`Asymmetry`] with the largest excess over `tolerance` times the geometric mean of the two diagonal entries (or, where one of
+    /// these is zero, times the larger of the two entries).
     ///
     /// # Panics
     /// When the matrix is not square.
@@ -135,7 +135,7 @@ impl Matrix {
     }
 }
 
-/// Sorts by column, then row, and adds up what stands at one place.
+/// Sorts entries by column, then row, and adds up entries at the same place.
 fn merge(entries: &mut Vec<Entry>) {
     let key = |e: &Entry| (e.1, e.0);
     if !entries.is_sorted_by_key(key) {
@@ -150,7 +150,7 @@ fn merge(entries: &mut Vec<Entry>) {
     });
 }
 
-/// The mean of both triangles, each with rows and columns of the lower one.
+/// The mean of both triangles; `upper` is mirrored, so that its rows and columns are those of the lower triangle.
 fn mean(n: usize, lower: Vec<Entry>, upper: &[Entry], tolerance: f64) -> Result<Vec<Entry>, Asymmetry> {
     let mut diagonal = vec![0.0; n];
     lower.iter().filter(|e| e.0 == e.1).for_each(|e| diagonal[e.0 as usize] = e.2);

@@ -1,4 +1,4 @@
-//! One door to all formats.
+//! The entry point to all formats.
 
 use std::path::Path;
 
@@ -47,7 +47,7 @@ impl Format {
         ("netcdf", Self::Netcdf),
     ];
 
-    /// The format of a file by its content and, where that does not tell, by its extension.
+    /// The format of a file by its content and, where the content does not decide, by its extension.
     fn of(file: &Path, bytes: &[u8]) -> Option<Self> {
         let extension = file.extension().unwrap_or_default().to_ascii_lowercase();
         if bytes.len() >= 14 && bytes[..14].eq_ignore_ascii_case(b"%%MatrixMarket") {
@@ -71,7 +71,7 @@ impl Format {
     }
 }
 
-/// Reads all matrices of a file. Without a format it is found from the content and the extension.
+/// Reads all matrices of a file. If `format` is none, the format is found from the content and the extension.
 ///
 /// Memory: at most 64 bytes for each byte of the file (after decompression, where it is compressed), and 64 KiB. No count in a file is
 /// trusted for an allocation.
@@ -85,7 +85,7 @@ pub fn read(path: impl AsRef<Path>, format: Option<Format>) -> Result<Vec<Matrix
     read_bytes(file, &bytes, format)
 }
 
-/// The same from bytes in memory; `file` serves the extension and the messages only.
+/// Reads all matrices from bytes in memory; `file` serves the extension and the messages only.
 ///
 /// # Errors
 /// As [`read`].
@@ -127,7 +127,7 @@ pub fn read_bytes(file: &Path, bytes: &[u8], format: Option<Format>) -> Result<V
     }
 }
 
-/// Whether an OP4 file is text: its first characters, which are numbers and a name, then are.
+/// Whether an OP4 file is text: the first 24 bytes, which hold numbers and a name, are then characters.
 fn is_text(bytes: &[u8]) -> bool {
     let start = bytes.get(..24).unwrap_or(bytes);
     start.iter().all(|b| matches!(b, b' '..=b'~' | b'\n' | b'\r'))

@@ -1,4 +1,4 @@
-//! Files beside the matrices: what the rows are, and where the nodes are.
+//! Files beside the matrices: which degree of freedom each row is, and where the nodes are.
 
 use std::path::Path;
 
@@ -12,9 +12,9 @@ fn bytes(file: &Path) -> Result<Vec<u8>, ExchangeError> {
     iwan_machine::read_file(file).map_err(|source| ExchangeError::Io { file: file.into(), source })
 }
 
-/// Reads what the rows of a matrix are: CalculiX `.dof`, Sierra/SD `ASetMap.m` (with `numbers`, its `gid.m`), or a text with a line
-/// `node, component` for each row, component 1 to 6, `x` to `rz`, or 0 for a generalised coordinate. Lines that begin with `#` are comments,
-/// a line of words at the top is passed over.
+/// Reads which degree of freedom each row of a matrix is. The file is CalculiX `.dof`, Sierra/SD `ASetMap.m` (with its `gid.m` as
+/// `numbers`), or a text with a line `node, component` for each row; the component is 1 to 6, `x` to `rz`, or 0 for a generalised
+/// coordinate. Lines that begin with `#` are comments; a line of words at the top is passed over.
 ///
 /// # Errors
 /// [`ExchangeError`] names the file, the line, what stands there and what is allowed.
@@ -55,8 +55,8 @@ fn row(source: &Source, line: &Line) -> Result<Label, ExchangeError> {
     Ok(Label { node, component: Component::numbered(number).unwrap_or(Component::Scalar) })
 }
 
-/// Reads positions of nodes: an Exodus or other netCDF classic file that has `coordx` and `node_num_map`, or a text with lines `node, x, y, z`; comments and
-/// words as in [`read_rows`].
+/// Reads positions of nodes: an Exodus or other netCDF classic file that has `coordx` and `node_num_map`, or a text with lines `node, x, y,
+/// z`. Comments and words are as in [`read_rows`].
 ///
 /// # Errors
 /// As [`read_rows`].

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use crate::error::ExchangeError;
 
-/// Rows and columns are kept in 32 bits.
+/// Largest number of rows or columns, since their indices are kept in 32 bits. Larger matrices are refused.
 pub(crate) const MOST_ROWS: u64 = u32::MAX as u64;
 
 /// A file in memory.
@@ -36,7 +36,7 @@ impl<'a> Source<'a> {
         ExchangeError::Unsupported { file: self.file.into(), place, found, remedy }
     }
 
-    /// The lines that are not blank.
+    /// The lines of the file that are not blank.
     pub(crate) fn lines(&self) -> Lines<'a> {
         Lines { bytes: self.bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(self.bytes), at: 0, number: 0 }
     }
@@ -64,13 +64,13 @@ impl<'a> Source<'a> {
         })
     }
 
-    /// What is wrong with a file that ends too early.
+    /// The error of a file that ends too early.
     pub(crate) fn ends(&self, expected: impl Into<String>) -> ExchangeError {
         self.malformed("the end of the file", "nothing more", expected)
     }
 }
 
-/// A finite number: `D` for the exponent is understood, and so is an exponent without a letter (`1.5-3`), as Fortran writes them.
+/// A finite number. The exponent may have the letter `D`, or no letter (`1.5-3`), as Fortran writes it.
 pub(crate) fn number(field: &[u8]) -> Option<f64> {
     let text = std::str::from_utf8(field).ok()?.trim_ascii();
     let plain = || {
@@ -86,10 +86,10 @@ pub(crate) fn number(field: &[u8]) -> Option<f64> {
     text.parse::<f64>().ok().or_else(plain).filter(|value| value.is_finite())
 }
 
-/// One line without blanks at its ends.
+/// One line, without the blanks at its ends unless read by [`Lines::raw`].
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Line<'a> {
-    /// Counted from 1.
+    /// Number of the line, counted from 1.
     pub(crate) number: usize,
     pub(crate) text: &'a [u8],
 }
@@ -109,7 +109,7 @@ impl<'a> Line<'a> {
         self.text.split(separates).filter(|field| !field.is_empty())
     }
 
-    /// The fields as so many, or none when there are fewer or more.
+    /// The fields of a line that has exactly `N` of them; none where there are fewer or more.
     pub(crate) fn exactly<const N: usize>(&self) -> Option<[&'a [u8]; N]> {
         let mut fields = self.fields();
         let mut out = [&b""[..]; N];
@@ -128,7 +128,7 @@ pub(crate) struct Lines<'a> {
 }
 
 impl<'a> Lines<'a> {
-    /// The next line as it stands, blanks included and the end of the line not; it may be empty.
+    /// The next line as it stands, with its blanks but without the line end; it may be empty.
     pub(crate) fn raw(&mut self) -> Option<Line<'a>> {
         let rest = self.bytes.get(self.at..).filter(|rest| !rest.is_empty())?;
         let end = rest.iter().position(|b| *b == b'\n').unwrap_or(rest.len());
@@ -153,7 +153,7 @@ impl<'a> Iterator for Lines<'a> {
     }
 }
 
-/// A piece of the file for a message: readable, at most `limit` characters, in quotes.
+/// The beginning of some bytes for a message: readable, at most `limit` characters, in quotes.
 pub(crate) fn quote(bytes: &[u8], limit: usize) -> String {
     let text = String::from_utf8_lossy(&bytes[..bytes.len().min(4 * limit)]);
     let mut short: String = text.chars().take(limit).map(|c| if c.is_control() { '.' } else { c }).collect();

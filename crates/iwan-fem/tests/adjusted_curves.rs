@@ -1,4 +1,4 @@
-//! Curves of an adjusted reduced structure, against the structure itself and their derivatives against differences.
+//! Curves of an adjusted reduced structure against curves of the full structure, and their derivatives against differences.
 #![allow(clippy::unwrap_used, reason = "tests may panic")]
 
 use std::f64::consts::TAU;
@@ -14,7 +14,7 @@ use iwan_fem::{
 /// Slips of the built-in beam: links and washers, each in x and y.
 const LINKS: [usize; 4] = [0, 1, 2, 3];
 const WASHERS: [usize; 4] = [4, 5, 6, 7];
-/// First bending mode behind six rigid motions.
+/// Index of the first bending mode, after six rigid motions.
 const BENDING: usize = 6;
 
 fn beam(links: FourParameter, young: f64) -> Structure {
@@ -39,8 +39,8 @@ fn slips_stand_in_the_order_taken_for_granted() {
     assert!(WASHERS.iter().all(|i| names[*i].contains("washer")), "{names:?}");
 }
 
-/// The reduced structure with other joints is the structure with other joints: secant frequency and dissipation from micro-slip to
-/// macro-slip.
+/// The reduced structure with other joints agrees with a structure made with these joints: secant frequency and dissipation from micro-slip
+/// to macro-slip.
 #[test]
 fn other_joints_as_in_a_structure_made_with_them() {
     let table_1 = paper::joint().unwrap();
@@ -64,7 +64,7 @@ fn other_joints_as_in_a_structure_made_with_them() {
     }
 }
 
-/// Another Young's modulus, and back: the first harmonic of the virgin curve by Masing's rule.
+/// Another Young's modulus, and the original one again; the first harmonic follows from the virgin curve by Masing's rule.
 #[test]
 fn another_material_and_the_first_harmonic() {
     let table_1 = paper::joint().unwrap();
@@ -76,7 +76,7 @@ fn another_material_and_the_first_harmonic() {
     let mode = adjusted.mode(BENDING).unwrap();
     let change = mode.omega_squared() / truth.eigenvalue(BENDING) - 1.0;
     assert!(change.abs() < 1e-6, "{change}");
-    // A power law of modal force has the harmonic stiffness of that power: between the curves of secants at q/2 and q.
+    // Where the modal force is a power law, its harmonic stiffness follows from the power, which the secant stiffnesses at q/2 and q give.
     let q = [5e-4];
     let harmonic = mode.curve(&adjusted, &q, Stiffness::FirstHarmonic).unwrap()[0].omega_squared;
     let secant = |q: f64| mode.curve(&adjusted, &[q], Stiffness::Secant).unwrap()[0].omega_squared;
@@ -92,7 +92,7 @@ fn another_material_and_the_first_harmonic() {
     assert!(adjustable.at(&[vec![0], vec![0]], &[table_1; 2], &[1.0]).is_err());
 }
 
-/// Derivatives of frequency and dissipation to 1e-7, from micro-slip to macro-slip, against central differences.
+/// Derivatives of frequency and dissipation agree to 1e-7 with central differences, from micro-slip to macro-slip.
 #[test]
 fn derivatives_are_those_of_the_curves() {
     let given = beam(paper::joint().unwrap(), 28.0e6).assemble().unwrap();
@@ -113,7 +113,7 @@ fn derivatives_are_those_of_the_curves() {
                 x[j] += by;
                 curve(&x)
             };
-            // Differences of fourth order: those of second order are as far off as is allowed.
+            // Differences of fourth order are used: those of second order would have errors as large as the tolerance.
             let h = 1e-3;
             let at = [-2.0, -1.0, 1.0, 2.0].map(|n| moved(n * h));
             let slope = |of: &dyn Fn(usize) -> f64| (of(0) - 8.0 * of(1) + 8.0 * of(2) - of(3)) / (12.0 * h);
@@ -135,7 +135,8 @@ fn derivatives_are_those_of_the_curves() {
     }
 }
 
-/// Slips without a group keep the laws of the structure: the curve is that of groups with these laws. Without any unknown it was a panic.
+/// Slips without a group keep the laws of the structure: the curve is that of groups with these laws. An adjustment without any unknown
+/// parameter once led to a panic.
 #[test]
 fn slips_without_a_group_keep_their_own_laws() {
     let table_1 = paper::joint().unwrap();
@@ -152,7 +153,7 @@ fn slips_without_a_group_keep_their_own_laws() {
             assert!((a.dissipation / b.dissipation - 1.0).abs() < 1e-7, "{a:?} {b:?}");
         }
     }
-    // A slip in a stuck mode is what the mode's shape says, and rigid motions do not slip.
+    // The participation of a slip in a stuck mode is the entry of the mode's shape, and rigid motions do not slip.
     let (slip, modes) = (&given.slips()[0], reduced.modes());
     assert_eq!(adjustable.participation(0, BENDING), modes.shape(BENDING)[slip.unknown]);
     assert_eq!(adjustable.participation(0, 2), 0.0);
@@ -161,7 +162,8 @@ fn slips_without_a_group_keep_their_own_laws() {
     assert!(message.contains("mode 2 is not an elastic mode of the reduced model"), "{message}");
 }
 
-/// A blow by modes that joints couple is that of the reduced model by its own stepper, from micro-slip to macro-slip, rigid motions and all.
+/// The response to a blow, from modes that joints couple, agrees with that of the reduced model by its own stepper: from micro-slip to
+/// macro-slip, rigid motions included.
 #[test]
 fn a_blow_is_that_of_the_reduced_model() {
     let assembled = paper::structure(Configuration::A, 1).unwrap().assemble().unwrap();
@@ -208,7 +210,7 @@ fn a_blow_is_that_of_the_reduced_model() {
                 struck.motion[0].len() == samples && off < tolerance * peak,
                 "{kinematic:?} {off} {peak}"
             );
-            // Fewer samples are some of these.
+            // A response with fewer samples holds some of these samples.
             let fewer = Blow { kinematic, every: 8, samples: 251, ..blow };
             let fewer = adjusted.struck(&fewer, |_| 0.0).unwrap();
             assert!(fewer.motion[0].iter().eq(struck.motion[0].iter().step_by(8)));
@@ -221,7 +223,7 @@ fn a_blow_is_that_of_the_reduced_model() {
     }
 }
 
-/// Damping takes energy out, and what cannot be stepped is refused with what helps.
+/// Damping takes energy out, and a model that cannot be stepped is refused with a remedy.
 #[test]
 fn blows_on_an_adjusted_structure_are_damped_and_checked() {
     let assembled = paper::structure(Configuration::A, 1).unwrap().assemble().unwrap();
@@ -245,7 +247,7 @@ fn blows_on_an_adjusted_structure_are_damped_and_checked() {
         let struck = adjusted.struck(&blow, |_| ratio).unwrap();
         struck.motion[0][3000..].iter().map(|a| a * a).sum::<f64>()
     };
-    // Bending 1 alone decays by exp(-2 ζ ω t) of its energy: to 0.19 at 35 ms for 3 % at 132 Hz, and all others faster.
+    // The energy of bending 1 alone decays by exp(-2 ζ ω t): to 0.19 at 35 ms for 3 % at 132 Hz. All other modes decay faster.
     assert!(last(0.03) < 0.19 * last(0.0), "{} {}", last(0.03), last(0.0));
     let refused = |blow: &Blow<'_>, ratio: f64| adjusted.struck(blow, |_| ratio).unwrap_err().to_string();
     let grows = refused(&Blow { force: &[f64::MAX; 20], ..blow }, 0.0);

@@ -1,4 +1,4 @@
-//! Transients that are broken off anywhere go on from their checkpoint and end with the bits of a run that was never disturbed.
+//! Transients that are stopped anywhere continue from their checkpoint, and end with the same bits as a run that was never interrupted.
 #![allow(clippy::unwrap_used, reason = "a failed test may panic")]
 
 use std::ops::ControlFlow;
@@ -13,12 +13,12 @@ fn open(folder: &std::path::Path) -> Checkpoint {
     Checkpoint::open(folder, "transients", "1", Digest::default()).unwrap()
 }
 
-/// Everything but the time that it took.
+/// Whether all of two responses but the computing time agrees.
 fn same(a: &StructureResponse, b: &StructureResponse) -> bool {
     StructureResponse { seconds: 0.0, ..a.clone() } == StructureResponse { seconds: 0.0, ..b.clone() }
 }
 
-/// Breaks a transient off again and again, until it is done; returns how often it was.
+/// Runs a transient that is stopped again and again until it is done; returns how often it was stopped.
 fn in_pieces(
     seed: u64,
     run: &dyn Fn(Watch<'_>) -> Result<StructureResponse, Error>,
@@ -41,7 +41,7 @@ fn in_pieces(
     unreachable!("the loop ends by what it returns")
 }
 
-/// Sliders and continuum, in micro-slip and far in macro-slip, a structure that flies away, damping, all unknowns and a few.
+/// Cases: sliders and continuum, micro-slip and far in macro-slip, a structure that flies away, damping, all unknowns and a few modes.
 #[test]
 fn a_transient_in_pieces_has_the_bits_of_one() {
     let named = NamedModes::new(&paper::structure(Configuration::A, 1).unwrap(), 4).unwrap();
@@ -80,7 +80,7 @@ fn a_transient_in_pieces_has_the_bits_of_one() {
     assert!(broken > 0 && same(&pieces, &whole), "the full model, broken off {broken} times");
 }
 
-/// A run that is done is not done again, and another law, step, load or model finds nothing.
+/// A run that is complete is not repeated, and a run with another law, step, load or model finds no state to use.
 #[test]
 fn a_state_serves_its_own_transient_alone() {
     let mut structure = paper::structure(Configuration::A, 1).unwrap();
@@ -109,7 +109,7 @@ fn a_state_serves_its_own_transient_alone() {
     run(&structure, Model::Basis(10), 2e-5, 10.0);
     run(&structure, Model::Basis(12), 1e-5, 10.0);
     run(&structure, Model::Full, 1e-5, 10.0);
-    // Another power of the same stiffness and strength.
+    // A law with another power, and the same stiffness and strength.
     let law = iwan_core::FourParameter::new(2.75e5, 300.0, -0.4, 0.02).unwrap();
     structure.joints[0].slips[0].law = Some(std::sync::Arc::new(law));
     run(&structure, Model::Basis(10), 1e-5, 10.0);

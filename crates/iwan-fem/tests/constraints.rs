@@ -1,4 +1,4 @@
-//! Constraints by elimination: against CalculiX, and what each must do to rigid motions.
+//! Constraints by elimination: against CalculiX, and against the rigid motions that each constraint must allow or prevent.
 #![allow(clippy::unwrap_used, reason = "a failed test may panic")]
 
 use std::path::Path;
@@ -7,7 +7,7 @@ use iwan_fem::mesh::block::{block, uniform};
 use iwan_fem::mesh::{Constraint, Freedom, GLOBAL, MeshFile, PointMass, Rule, Weighted, read_bytes};
 use iwan_fem::{Assembled, Formulation, Limit, Material, Structure};
 
-/// CalculiX prints seven digits.
+/// Relative tolerance of frequencies: CalculiX prints seven digits.
 const DIGITS: f64 = 1e-6;
 
 fn structure(name: &str, bytes: &[u8]) -> Structure {
@@ -46,7 +46,7 @@ fn decks_with_constraints_have_the_frequencies_of_calculix() {
 
 const STEEL: [f64; 3] = [200.0, 0.3, 7.0];
 
-/// A free bar of 4 x 1 x 1 with 4 x 2 x 2 bricks, and free nodes beside it.
+/// A free bar of 4 x 1 x 1 from 4 x 2 x 2 bricks, with further free nodes beside it.
 fn bar(extra: &[[f64; 3]]) -> Structure {
     let mut mesh = block(&[uniform(0.0, 4.0, 4), uniform(0.0, 1.0, 2), uniform(0.0, 1.0, 2)]);
     for point in extra {
@@ -69,7 +69,8 @@ fn assembled(structure: &Structure) -> Assembled {
     structure.assemble().unwrap()
 }
 
-/// Rigid groups, means, interpolation and a mass with inertia leave the six rigid motions free, and the mass is that of all.
+/// Rigid groups, means, interpolation and a mass with inertia leave the six rigid motions free, and the total mass is the sum of all
+/// masses.
 #[test]
 fn rigid_motions_stay_free_under_constraints_that_allow_them() {
     let mut structure = bar(&[[5.0, 0.3, 0.2], [-1.0, 0.5, 0.9], [2.0, 3.0, 3.0], [2.0, 0.4, 1.0]]);
@@ -79,7 +80,7 @@ fn rigid_motions_stay_free_under_constraints_that_allow_them() {
     let weighted = |node| Weighted { node, weight: 1.0 + node as f64, components: [true; 3] };
     let nodes = end(&structure, 0.0).into_iter().map(weighted).collect();
     add(&mut structure, "mean", Rule::Mean { reference: 46, components: all, nodes, directions: GLOBAL });
-    // A second reference follows the first; the third, a point on the top, carries nothing.
+    // A second reference node follows the first; the third, a point on the top, carries nothing.
     add(
         &mut structure,
         "chain",
@@ -106,7 +107,7 @@ fn rigid_motions_stay_free_under_constraints_that_allow_them() {
     let modes = assembled.modes(Limit::Stuck, 12).unwrap();
     assert_eq!(modes.zero_modes(), 6, "{:?}", modes.frequencies());
     assert!((assembled.total_mass() - (28.0 + 5.0)).abs() < 1e-12);
-    // Turning about x through the origin: ∫(y² + z²) dm of the bar, Steiner's part and the own inertia of the bodies.
+    // Moment of inertia about the x axis through the origin: ∫(y² + z²) dm of the bar, Steiner's part and the own inertia of the bodies.
     let spin = assembled.rigid_motion(3);
     let inertia = assembled.mass().form(&spin, &spin);
     let (y, z) = (0.3 - 0.2, 0.2 + 0.3);
@@ -114,7 +115,7 @@ fn rigid_motions_stay_free_under_constraints_that_allow_them() {
     assert!((inertia / expected - 1.0).abs() < 1e-12, "{inertia} {expected}");
 }
 
-/// The mean of a rigid motion is that motion, and of a squeeze with no mean it is none.
+/// The mean of a rigid motion is that motion; the mean of a squeeze whose mean is zero is no motion.
 #[test]
 fn a_mean_fits_rigid_motions_exactly() {
     let mut structure = bar(&[[5.0, 0.3, 0.2]]);
@@ -149,7 +150,8 @@ fn a_mean_fits_rigid_motions_exactly() {
     }
 }
 
-/// Equations between what follows a mean already: the elimination finds something free, and the equation holds in every mode.
+/// Equations between nodes that already follow a mean: the elimination finds an unknown that is still free, and the equation holds in every
+/// mode.
 #[test]
 fn equations_hold_in_every_mode() {
     let mut structure = bar(&[[5.0, 0.5, 0.5], [-1.0, 0.5, 0.5]]);
@@ -164,7 +166,7 @@ fn equations_hold_in_every_mode() {
         let at = |node| Freedom { node, component };
         add(&mut structure, "equal", Rule::Equation(vec![(at(45), 1.0), (at(46), -1.0)]));
     }
-    // Said twice: it holds already.
+    // The same equation a second time: it holds already, and eliminates nothing more.
     let at = |node| Freedom { node, component: 0 };
     add(&mut structure, "again", Rule::Equation(vec![(at(45), 2.0), (at(46), -2.0)]));
     let assembled = assembled(&structure);
@@ -210,7 +212,7 @@ fn constraints_that_cannot_be_obeyed_are_refused_by_name() {
     );
 }
 
-/// Two blocks whose meshes do not match: a linear field passes through the tie, and nothing else is stiff.
+/// Two blocks whose meshes do not match: a linear field passes through the tie exactly, and the tie adds no stiffness elsewhere.
 #[test]
 fn a_tie_by_projection_passes_the_patch_test_where_faces_follow_the_finer_side() {
     let mut mesh = block(&[uniform(0.0, 2.0, 2), uniform(0.0, 1.0, 1), uniform(0.0, 1.0, 1)]);
@@ -233,7 +235,7 @@ fn a_tie_by_projection_passes_the_patch_test_where_faces_follow_the_finer_side()
     assert!((moved - 0.001).abs() < 1e-12 && free == 0);
     let assembled = assembled(&structure);
     assert_eq!(assembled.modes(Limit::Stuck, 8).unwrap().zero_modes(), 6);
-    // u = G x, as unknowns: the displacements of all nodes that follow nothing.
+    // The field u = G x in the unknowns: the displacements of all nodes that follow no others.
     let field =
         |p: &[f64; 3]| [1e-3 * p[0] + 2e-4 * p[1], 4e-4 * p[0] - 2e-3 * p[2], 5e-4 * p[1] + 7e-4 * p[2]];
     let y: Vec<f64> = (0..assembled.unknowns())

@@ -8,7 +8,8 @@ use iwan_fem::mesh::block::{block, uniform};
 use iwan_fem::mesh::{Mesh, Shape};
 use iwan_fem::{Formulation, Limit, Material, Structure, Support};
 
-/// A quarter of a block, the corner x, y < 1/2 of one with sides 1, and the lower half of it: n x n x n/2 bricks, cut to the given shape.
+/// A quarter of a block with sides 1, the corner x, y < 1/2, and of this the lower half: n x n x n/2 bricks, cut into elements of the given
+/// shape.
 fn body(shape: Shape, n: usize) -> Mesh {
     let mut mesh = block(&[uniform(0.0, 0.5, n), uniform(0.0, 0.5, n), uniform(0.0, 0.25, n / 2)]);
     cut(&mut mesh, shape);
@@ -57,8 +58,9 @@ fn error(shape: Shape, formulation: Formulation, n: usize) -> f64 {
     (2.0 * PI * modes.frequencies()[best]).powi(2) / exact - 1.0
 }
 
-/// Elements of degree p have eigenvalues with an error of h^2p (G. Strang and G. J. Fix, An Analysis of the Finite Element Method, 1973,
-/// Sec. 6.3), on meshes cut from bricks. Cut ones come near their rate from below: twice as fine, four- and six-node elements have 1.85 and 1.87.
+/// Eigenvalues from elements of degree p have an error of order h^2p (G. Strang and G. J. Fix, An Analysis of the Finite Element Method,
+/// 1973, Sec. 6.3), here on meshes cut from bricks. Meshes of cut elements approach this rate from below: on meshes twice as fine, four-
+/// and six-node elements have rates of 1.85 and 1.87.
 #[test]
 fn eigenvalues_converge_with_twice_the_degree() {
     let plain = Formulation::Displacement;
@@ -83,10 +85,10 @@ fn eigenvalues_converge_with_twice_the_degree() {
     }
 }
 
-/// Turns a mesh of bricks into another.
+/// A function that changes a mesh of bricks into another mesh.
 type Prepare = fn(&mut Mesh);
 
-/// On a distorted mesh a linear field leaves no force on any node inside, whatever the elements: bricks and wedges mixed, tetrahedra.
+/// On a distorted mesh a linear field leaves no force on any inner node, whatever the elements: bricks and wedges mixed, tetrahedra.
 #[test]
 fn patch_test_of_meshes() {
     let inside = |p: &[f64; 3]| p.iter().all(|x| *x > 0.01 && *x < 2.99);
@@ -134,8 +136,8 @@ fn patch_test_of_meshes() {
     }
 }
 
-/// A quadratic displacement is what ten- and fifteen-node elements can do: pure bending of a slender block at ν = 0 stores E I l/2 exactly;
-/// four- and six-node ones lock.
+/// Ten- and fifteen-node elements represent a quadratic displacement exactly: pure bending of a slender block at ν = 0 stores E I l/2.
+/// Four- and six-node elements lock.
 #[test]
 fn quadratic_elements_bend_exactly_and_linear_ones_lock() {
     let exact = 0.5 * 200.0 * (0.5_f64.powi(3) / 12.0) * 10.0;
@@ -172,7 +174,7 @@ fn linear_tetrahedra_earn_a_remark() {
     assert!(remarks(Shape::Tet10).is_empty() && remarks(Shape::Wedge6).is_empty());
 }
 
-/// All faces of a cut block: outside those of the block, inside none, and they enclose its volume.
+/// The outer faces of a cut block are those of the block only, with none inside, and they enclose its volume.
 #[test]
 fn outer_faces_of_mixed_meshes_enclose_the_volume() {
     let mut mixed = block(&[uniform(0.0, 3.0, 3), uniform(0.0, 2.0, 2), uniform(0.0, 1.0, 2)]);

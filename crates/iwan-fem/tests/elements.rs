@@ -1,4 +1,4 @@
-//! What every element must do: symmetry, rigid motion, patch test, mass, pure bending.
+//! Properties that every element must have: symmetry, rigid motions without force, patch test, mass, pure bending.
 #![allow(clippy::unwrap_used, reason = "a failed test may panic")]
 
 use iwan_fem::mesh::Shape;
@@ -29,7 +29,7 @@ fn with_middles(shape: Shape, brick: &[Point; 8]) -> Vec<Point> {
     corners.iter().copied().chain(edges.iter().map(middle)).collect()
 }
 
-/// Share of a brick that the shape takes.
+/// Share of a brick's volume that an element of this shape takes.
 fn share(shape: Shape) -> f64 {
     match shape.corners() {
         4 => 1.0 / 6.0,
@@ -74,7 +74,7 @@ fn norm(x: &[f64]) -> f64 {
     x.iter().map(|x| x * x).sum::<f64>().sqrt()
 }
 
-/// u = G x at each node.
+/// The field u = G x at each node.
 fn linear_field(gradient: [[f64; 3]; 3], positions: &[Point]) -> Vec<f64> {
     let at = |x: &Point| gradient.map(|row| row[0] * x[0] + row[1] * x[1] + row[2] * x[2]);
     positions.iter().flat_map(at).collect()
@@ -106,8 +106,8 @@ fn stiffness_is_symmetric_and_forgets_rigid_motion() {
     }
 }
 
-/// Exactly six motions cost no energy: no spurious modes. The six-node wedge, by two points on its axis, twists freely as well (two of them
-/// side by side do not: the meshes of tests/convergence.rs have six).
+/// Exactly six motions cost no energy: there are no spurious modes. The six-node wedge, integrated at two points on its axis, also twists
+/// freely (two wedges side by side do not: the meshes of tests/convergence.rs have six such motions).
 #[test]
 fn there_are_six_zero_energy_motions() {
     for kind in KINDS {
@@ -124,8 +124,8 @@ fn there_are_six_zero_energy_motions() {
     }
 }
 
-/// A distorted element under a linear displacement field carries the constant stress: nodal forces are
-/// those of the uniform traction, so that a second field does the work V σ:ε on them.
+/// A distorted element under a linear displacement field has constant stress: its nodal forces are those of the uniform traction, so that
+/// they do the work V σ:ε on a second linear field.
 #[test]
 fn patch_test_of_a_distorted_element() {
     let (e1, e2) = (
@@ -169,7 +169,8 @@ fn mass_is_that_of_the_volume_consistent_and_lumped() {
     assert!((element.mass[0] - 7.0 / 27.0).abs() < 1e-14 && (element.mass[6] - 7.0 / 216.0).abs() < 1e-14);
 }
 
-/// Pure bending of a slender brick at ν = 0: u_x = x z, u_z = -x²/2 stores E I l/2 exactly where modes allow it.
+/// Pure bending of a slender brick at ν = 0: u_x = x z, u_z = -x²/2 stores E I l/2, which elements with incompatible modes reproduce
+/// exactly.
 #[test]
 fn incompatible_modes_bend_exactly_and_plain_ones_lock() {
     let m = Material::new(200.0, 0.0, 1.0).unwrap();

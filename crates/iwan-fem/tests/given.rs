@@ -1,4 +1,4 @@
-//! Matrices in place of elements: the same structure by two ways, closed forms, and what is refused.
+//! Matrices in place of elements: the same structure made in two ways, closed forms, and faulty matrices that are refused.
 #![allow(clippy::unwrap_used, reason = "a failed test may panic")]
 
 use std::f64::consts::PI;
@@ -12,7 +12,7 @@ use iwan_fem::{
     RelativeSlip, Representation, Row, SlipGroup, SlipStatics, Structure, Symmetric, Transient, paper,
 };
 
-/// The paper's beam, and the same with its matrices in place of its elements.
+/// The paper's beam, and the same structure with matrices in place of its elements.
 fn twins(configuration: Configuration) -> [Structure; 2] {
     let meshed = paper::structure(configuration, 1).unwrap();
     let bare = Structure { joints: Vec::new(), ..meshed.clone() }.assemble().unwrap();
@@ -41,7 +41,7 @@ fn matrices_of_a_mesh_give_its_frequencies() {
         assert!((meshed.total_mass() / given.total_mass() - 1.0).abs() < 1e-12);
         for limit in [Limit::Stuck, Limit::Slipping] {
             let (a, b) = (meshed.modes(limit, 30).unwrap(), given.modes(limit, 30).unwrap());
-            // Slipping, the link slides freely along each of its joints' directions.
+            // With all joints slipping, the link slides freely along the direction of each of its joints.
             assert_eq!(a.zero_modes(), b.zero_modes());
             for (a, b) in a.frequencies().iter().zip(b.frequencies()).skip(a.zero_modes()) {
                 assert!((a / b - 1.0).abs() < 1e-8, "{a} {b}");
@@ -68,8 +68,8 @@ fn a_ring_down_with_joints_is_that_of_the_mesh() {
         [reduced, full].map(|response| response.outputs[0].acceleration.clone())
     };
     let [meshed, given] = twins(Configuration::A);
-    // The attachment vectors of the reduced model are those of K + shift M, and the shift is found in another way: the two reduced models
-    // differ by what twenty modes leave out. The full models are one.
+    // Attachment vectors of the reduced model belong to K + shift M, and the two structures find the shift in different ways. So the two
+    // reduced models differ by the part that twenty modes leave out; the full models agree.
     let tolerances = [1e-3, 1e-9];
     for ((a, b), tolerance) in acceleration(&meshed).iter().zip(acceleration(&given)).zip(tolerances) {
         let peak = a.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
@@ -78,7 +78,7 @@ fn a_ring_down_with_joints_is_that_of_the_mesh() {
     }
 }
 
-/// Masses 2 and 3 on springs 800 and 500 to the ground, with a joint of 900 between them; no positions.
+/// Masses 2 and 3 on springs 800 and 500 to the ground, with a joint of stiffness 900 between them, and no positions.
 fn pair() -> Structure {
     let mesh = Mesh {
         positions: vec![[0.0; 3]; 2],
@@ -105,7 +105,7 @@ fn pair() -> Structure {
     structure
 }
 
-/// Frequencies of two masses by the closed form.
+/// Frequencies of two masses by the closed form, Hz.
 fn two_masses(k: [f64; 3], m: [f64; 2]) -> [f64; 2] {
     let (a, b, c) = (k[0] + k[2], k[1] + k[2], -k[2]);
     let (p, q) = (a / m[0] + b / m[1], (a * b - c * c) / (m[0] * m[1]));
@@ -126,7 +126,7 @@ fn a_joint_between_two_masses_has_the_frequencies_of_the_closed_form() {
     }
 }
 
-/// The coordinate of the second mass as a generalised one, x_2 = x_1 + 0.3 q, beside a rotation that is a third oscillator.
+/// The motion of the second mass by a generalised coordinate q, x_2 = x_1 + 0.3 q, beside a rotation that is a third oscillator.
 #[test]
 fn rotations_and_generalised_coordinates_are_unknowns() {
     let mut structure = pair();
@@ -145,7 +145,7 @@ fn rotations_and_generalised_coordinates_are_unknowns() {
     for (found, expected) in modes.frequencies().iter().zip(expected) {
         assert!((found * 2.0 * PI / expected - 1.0).abs() < 1e-12, "{found} {expected}");
     }
-    // The displacement of node 9 has no row: it does not move. That of node 5 moves in the modes of the two masses alone.
+    // The displacement of node 9 has no row, so node 9 does not move. That of node 5 moves only in the modes of the two masses.
     let moved = assembled.displacements(modes.shape(0));
     assert_eq!(moved[3..], [0.0; 3]);
 }
@@ -209,7 +209,7 @@ fn matrices_that_no_structure_has_are_refused_with_row_node_and_value() {
     );
 }
 
-/// A condensed mass couples unknowns that no stiffness connects: the order of elimination knows both patterns.
+/// A condensed mass couples unknowns that the stiffness does not: the order of elimination takes both patterns into account.
 #[test]
 fn a_mass_with_entries_that_the_stiffness_has_not() {
     let mut structure = pair();
@@ -226,12 +226,12 @@ fn a_mass_with_entries_that_the_stiffness_has_not() {
     }
 }
 
-/// Given damping acts on each coordinate of a reduced model by its own part, and the full model refuses it.
+/// A given damping acts on each coordinate of a reduced model by its diagonal entry; the full model refuses a given damping.
 #[test]
 fn given_damping_is_obeyed_or_refused() {
     let mut structure = pair();
     let given = structure.given.as_mut().unwrap();
-    // C = α M + β K with all joints slipping has the diagonal α + β ω² in their modes.
+    // C = α M + β K with all joints slipping is diagonal in the modes of that state, with the entries α + β ω².
     let (alpha, beta) = (0.3, 1e-3);
     given.damping = Some(Symmetric::diagonal(vec![alpha * 2.0 + beta * 800.0, alpha * 3.0 + beta * 500.0]));
     structure.joints.clear();
@@ -256,7 +256,8 @@ fn given_damping_is_obeyed_or_refused() {
     assert!(error.contains("the full model knows no viscous damping"), "{error}");
 }
 
-/// One tetrahedron of 10 nodes: its mass by four points moves 12 motions, and a search for more ends with a sentence.
+/// One tetrahedron of ten nodes: its mass, integrated at four points, moves in 12 motions, and a search for more modes ends with an error
+/// in words.
 #[test]
 fn more_modes_than_the_mass_moves_are_refused() {
     let corners = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
@@ -274,8 +275,8 @@ fn more_modes_than_the_mass_moves_are_refused() {
     assert!(error.contains("modes") && error.contains(';'), "{error}");
 }
 
-/// The same masses and springs with the joint as a row of relative displacements, and node 9 moving along y as half of node 5 and twice
-/// itself along x.
+/// The same masses and springs, with the joint as a row of relative displacements. Node 9 moves along y by half of the displacement of node
+/// 5, plus twice its own displacement along x.
 fn pair_by_rows() -> Structure {
     let mut structure = pair();
     let law = structure.joints.remove(0).slips.remove(0).law;
@@ -297,7 +298,7 @@ fn a_joint_between_rows_is_the_joint_between_their_nodes() {
         for (found, expected) in modes.frequencies().iter().zip(two_masses([800.0, 500.0, k], [2.0, 3.0])) {
             assert!((found / expected - 1.0).abs() < 1e-12, "{limit:?} {found} {expected}");
         }
-        // The slip is what the row says of the displacements, and a combination of rows reads them.
+        // The slip is the row's combination of the displacements, and a combination of rows gives the displacements again.
         let apart = assembled.combination(&[(0, -1.0), (1, 1.0)]).unwrap();
         for index in 0..2 {
             let (shape, u) = (modes.shape(index), assembled.displacements(modes.shape(index)));
@@ -339,7 +340,7 @@ fn rows_that_no_joint_and_no_recovery_has_are_refused() {
     assert!(message.unwrap_err().to_string().contains("the structure has elements, and no given matrices"));
 }
 
-/// A relative displacement does not change where everything moves as one, but for one to the ground.
+/// A relative displacement does not change in a motion of the whole structure, unless the joint is one to the ground.
 #[test]
 fn a_sign_that_is_turned_in_a_row_is_found() {
     let mut structure = pair_by_rows();
@@ -352,14 +353,14 @@ fn a_sign_that_is_turned_in_a_row_is_found() {
     );
     structure.given.as_mut().unwrap().relative[0].to_ground = true;
     assert_eq!(structure.check().message(), None);
-    // Then 900 x is added to both masses at once: K = [1700 900; 900 1400].
+    // The joint then resists x_1 + x_2 with the stiffness 900: K = [1700 900; 900 1400].
     let modes = structure.assemble().unwrap().modes(Limit::Stuck, 2).unwrap();
     for (found, expected) in modes.frequencies().iter().zip(two_masses([800.0, 500.0, 900.0], [2.0, 3.0])) {
         assert!((found / expected - 1.0).abs() < 1e-12, "{found} {expected}");
     }
 }
 
-/// Masses 2 and 3 pull with their own inertia where the base is accelerated; no row moves along y.
+/// Masses 2 and 3 each contribute their own inertia force when the base is accelerated; no row moves along y.
 #[test]
 fn a_base_pulls_at_every_mass() {
     for structure in [pair(), pair_by_rows()] {
@@ -382,7 +383,7 @@ fn a_base_pulls_at_every_mass() {
     }
 }
 
-/// x_2 = x_1 + 0.3 q, beside a rotation: M ι is the first column of the mass, and a rotation does not see the base.
+/// x_2 = x_1 + 0.3 q, beside a rotation: M ι is the first column of the mass matrix, and a motion of the base has no effect on a rotation.
 #[test]
 fn generalised_coordinates_feel_the_base_by_their_mass() {
     let mut structure = pair();
@@ -408,7 +409,8 @@ fn force_on_the_first(assembled: &Assembled) -> Vec<f64> {
     assembled.combination(&[(0, 1.0)]).unwrap()
 }
 
-/// What few modes leave out of a slip under static forces is the whole of it without their part, and nothing is left out by all.
+/// The compliance of a slip that few modes leave out under static forces is its whole compliance minus the part of these modes; all modes
+/// together leave nothing out.
 #[test]
 fn compliance_is_what_the_modes_leave_out() {
     let structure = pair_by_rows();
@@ -430,7 +432,7 @@ fn compliance_is_what_the_modes_leave_out() {
     assert!(message.contains("the load has 3 entries, the structure has 2 unknowns"), "{message}");
 }
 
-/// Slips 0 and 1 are the two ends of one link, 2 hardly moves, 3 goes its own way.
+/// Slips 0 and 1 are the two ends of one link, slip 2 hardly moves, and slip 3 moves independently.
 #[test]
 fn slips_that_move_alike_are_one() {
     let statics = SlipStatics {
@@ -447,15 +449,15 @@ fn slips_that_move_alike_are_one() {
     let [link, other] = [vec![(0, 1.0), (1, -1.0)], vec![(3, 1.0)]].map(|members| SlipGroup { members });
     assert_eq!((groups.as_slice(), stuck.as_slice()), ([link, other].as_slice(), [2].as_slice()));
     let joined = statics.of_groups(&groups);
-    // Means with signs: (4 + 1 + 1 + 2)/4 among the two ends, (0.5 - 0.25)/2 to the third.
+    // Means with signs: (4 + 1 + 1 + 2)/4 within the group of the two ends, (0.5 - 0.25)/2 between this group and the third slip.
     assert_eq!(joined.compliance, [[2.0, 0.125], [0.125, 3.0]]);
     assert!((joined.participation[0][0] - 1.0015).abs() < 1e-15 && joined.participation[0][1] == 0.5);
     assert!((joined.at_force[0] - 0.3).abs() < 1e-15 && joined.at_force[1] == 0.7);
-    // Other laws are other joints, however alike they move.
+    // Slips with different laws stay separate joints, however alike they move.
     assert_eq!(statics.groups(&[0, 1], &|_, _| false).0.len(), 2);
 }
 
-/// Receptances of the coordinates, summed, are those of the two masses: the inverse of K - ω² M with the joint stuck.
+/// The sum of the receptances of the coordinates is that of the two masses: the inverse of K - ω² M with the joint stuck.
 #[test]
 fn steady_coordinates_have_the_receptance_of_the_closed_form() {
     let structure = pair_by_rows();
@@ -488,7 +490,7 @@ fn steady_coordinates_have_the_receptance_of_the_closed_form() {
     assert!(message.to_string().contains("modal damping ratio"), "{message}");
 }
 
-/// C = [4 -2; -2 9] in the modes of two masses that nothing connects: 2/√(4·9) of their own.
+/// C = [4 -2; -2 9] in the modes of two masses that nothing connects: the coupling is 2/√(4·9) of the modes' own damping.
 #[test]
 fn damping_that_couples_modes_is_told() {
     let mut structure = pair();

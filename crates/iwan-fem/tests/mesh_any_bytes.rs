@@ -1,4 +1,4 @@
-//! No bytes make a mesh reader panic or ask for more memory than it says, and what it accepts is a sound mesh.
+//! No bytes make a mesh reader panic or ask for more memory than it states, and a mesh that it accepts is sound.
 #![allow(clippy::unwrap_used)]
 #![allow(clippy::format_collect, reason = "files of the tests are short")]
 
@@ -7,7 +7,7 @@ use iwan_fem::mesh::read_bytes;
 use proptest::prelude::*;
 use std::path::Path;
 
-/// What [`iwan_fem::mesh::read`] says about its memory.
+/// The statement of [`iwan_fem::mesh::read`] about its memory.
 const BYTES_PER_BYTE: u64 = 160;
 const BYTES_AT_LEAST: u64 = 64 << 10;
 
@@ -89,7 +89,7 @@ fn every_byte_set_to_an_extreme_is_survived() {
     }
 }
 
-/// A name of a file stood in the message as long as it was.
+/// Names of a file were once quoted in messages in their full length.
 #[test]
 fn long_names_are_shortened_in_messages() {
     let name = "N".repeat(5000);
@@ -97,7 +97,7 @@ fn long_names_are_shortened_in_messages() {
     check("a.inp", format!("*NODE\n1,0,0,0\n*MPC\n{name},1,1\n").as_bytes());
 }
 
-/// Files made to grow: every line of a few bytes asks for as much as it can.
+/// Files made to use much memory: every line of a few bytes asks for as much as it can.
 #[test]
 fn memory_stays_within_what_is_said() {
     let nodes: String = (1..2000).fold("*NODE\n".into(), |text, label| text + &format!("{label}\n"));

@@ -1,4 +1,4 @@
-//! Every kind of bad mesh and impossible joint is named, with the numbers of the file.
+//! Every kind of faulty mesh and impossible joint is named, with the numbers of the file.
 
 use iwan_fem::check::Findings;
 use iwan_fem::mesh::beam::Configuration;
@@ -55,7 +55,7 @@ fn with(mut mesh: Mesh, other: &Mesh, by: f64) -> Mesh {
     mesh
 }
 
-/// Nodes of the plane x, those with a number from `first`.
+/// Nodes of the plane at x whose numbers are `first` or larger.
 fn plane(mesh: &Mesh, x: f64, first: u64) -> Vec<usize> {
     let there = |n: &usize| mesh.positions[*n][0] == x && mesh.node_labels[*n] >= first;
     (0..mesh.positions.len()).filter(there).collect()
@@ -76,10 +76,10 @@ fn the_papers_beam_is_sound_with_its_joints_and_in_pieces_without() {
         let mut beam = paper::structure(configuration, 1).expect("the paper's beam");
         assert_eq!(texts(&beam.check()), Vec::<String>::new());
         assert_eq!(beam.check().message(), None);
-        // One joint fewer: one part in the air, and touching the beam.
+        // With one joint missing, one part hangs in the air and touches the beam.
         beam.joints.pop();
         assert_eq!(texts(&beam.check()).len(), 2);
-        // Without the joints the link and the two free washers hang in the air, and touch the beam.
+        // Without the joints, the link and the two free washers hang in the air and touch the beam.
         beam.joints.clear();
         let alone = texts(&beam.check());
         assert_eq!(alone.len(), 4, "{alone:?}");
@@ -174,7 +174,7 @@ fn a_slit_within_a_part_is_a_defect() {
         format!("nodes of one part at the same place: {} and 300; merge them", mesh.node_labels[own]);
     let all = found(&mesh, &[]);
     assert!(all.len() == 1 && all[0].starts_with(&expected), "{all:?}");
-    // The two sides of a joint may be in one part.
+    // The two sides of a joint may belong to one part.
     let links = [Link { name: "crack", interface: Interface::NodeToNode, face: &[copy], patch: &[own] }];
     assert_eq!(found(&mesh, &links), Vec::<String>::new());
 }

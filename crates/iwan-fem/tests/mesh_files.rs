@@ -1,4 +1,4 @@
-//! Gmsh and Abaqus files: what is read, and what the errors say.
+//! Gmsh and Abaqus files: what is read from them, and the errors of faulty ones.
 
 use crate::common::{
     CORNERS, EDGES, Encoding, GMSH_EDGES, GMSH_TET_EDGES, GMSH_WEDGE_EDGES, Msh, TET_EDGES, WEDGE_EDGES,
@@ -137,7 +137,7 @@ fn abaqus_capitals_blanks_and_exponents() {
     assert_eq!(mesh.node_sets["My Set"], [0, 8]);
 }
 
-/// Each of these stood in the wrong place before: the keyword was passed over.
+/// Nodes in local coordinates were once put into the wrong place, because these keywords were passed over.
 #[test]
 fn nodes_in_local_coordinates_land_in_their_place() {
     let near = |text: &str, expected: [[f64; 3]; 2]| {
@@ -156,7 +156,7 @@ fn nodes_in_local_coordinates_land_in_their_place() {
     near(&format!("*SYSTEM\n0., 0., 0., 0., 5., 0.\n0., 1., 7.\n{nodes}"), [[3., 1., 2.], [0.; 3]]);
     // Without c: turned about z by the angle of the projected x-axis, here 90 degrees.
     near(&format!("*SYSTEM\n1., 0., 0., 1., 2., 9.\n{nodes}"), [[-1., 1., 3.], [0.; 3]]);
-    // The parameter of *NODE: radius 2 at 30 degrees, and radius 2 at 90 degrees and an elevation of 30.
+    // The parameter of *NODE: cylindrical, radius 2 at 30 degrees; spherical, radius 2 at 90 degrees and an elevation of 30 degrees.
     let round = "*NODE, SYSTEM=C\n1, 2., 30., 3.\n*NODE, SYSTEM=S\n2, 2., 90., 30.\n";
     let (root, half) = (3_f64.sqrt(), 1.0);
     near(round, [[root, half, 3.], [0., root, half]]);
@@ -212,7 +212,7 @@ fn instances_are_parts_moved_turned_and_numbered_apart() {
     assert_eq!(mesh.node_labels[..2], [111, 112]);
     assert_eq!(mesh.node_labels[8..10], [211, 212]);
     assert_eq!((mesh.elements[0].label, mesh.elements[1].label), (101, 201));
-    // (1, 0, 0) moved to (3, 0, 0), one beside the axis, and turned to (2, 1, 0).
+    // (1, 0, 0) is moved to (3, 0, 0), at distance 1 from the axis, and turned to (2, 1, 0).
     assert!(
         (0..3).all(|a| (mesh.positions[9][a] - [2.0, 1.0, 0.0][a]).abs() < 1e-15),
         "{:?}",
@@ -380,6 +380,6 @@ fn other_files_are_told_apart() {
     assert!(
         read("no/such/file.msh").unwrap_err().to_string().starts_with("no/such/file.msh: cannot be read: ")
     );
-    // The content counts more than the extension.
+    // The content takes precedence over the extension.
     assert!(read_bytes(Path::new("a.txt"), inp().as_bytes()).is_ok());
 }

@@ -1,4 +1,4 @@
-//! Abaqus input with elements that are no volumes, and with stress in the unloaded structure.
+//! Abaqus input with elements of surfaces and lines, and with stress in the unloaded structure.
 #![allow(clippy::unwrap_used, reason = "a failed test may panic")]
 
 use std::path::Path;
@@ -10,7 +10,7 @@ fn abaqus(text: &str) -> Result<MeshFile, String> {
     read_bytes(Path::new("a.inp"), text.as_bytes()).map_err(|e| e.to_string())
 }
 
-/// Gmsh's own export has the elements of lines and surfaces beside those of volumes: they have no section, and become node sets.
+/// Gmsh's own export contains elements of lines and surfaces beside those of volumes: they have no section, and become node sets.
 #[test]
 fn surface_elements_without_a_section_are_node_sets() {
     let solid = "*ELEMENT, TYPE=C3D8I, ELSET=Volume1\n1,11,12,13,14,15,16,17,18\n";
@@ -40,7 +40,8 @@ fn surface_elements_without_a_section_are_node_sets() {
     assert!(error.contains("an element CPS4 with 3 nodes, expected 4 nodes"), "{error}");
 }
 
-/// Gmsh writes a physical group of a surface as a set of its surface elements: "left", of which no element was found, ended the file.
+/// Gmsh writes a physical group of a surface as a set of its surface elements. A set "left", whose elements were not found, once made the
+/// file fail.
 #[test]
 fn sets_of_surface_elements_are_node_sets() {
     let solid = "*ELEMENT, TYPE=C3D8I, ELSET=Volume1\n3,11,12,13,14,15,16,17,18\n";
@@ -58,7 +59,7 @@ fn sets_of_surface_elements_are_node_sets() {
     assert!(error.contains("found element 4"), "{error}");
 }
 
-/// Stress in the unloaded structure stiffens it; temperatures do not.
+/// Stress in the unloaded structure is refused because it stiffens the structure; temperatures are accepted because they do not.
 #[test]
 fn initial_stress_is_refused() {
     let text = format!(

@@ -1,5 +1,5 @@
-//! Modes of the paper's beam against a second program that shares no code with the library (tests/peers/beam.py of the project prints
-//! its numbers), and modes that must not be missed.
+//! Modes of the paper's beam against a second program that shares no code with the library (tests/peers/beam.py of the project prints its
+//! numbers), and repeated modes, none of which may be missed.
 #![allow(clippy::unwrap_used, reason = "a failed test may panic")]
 
 use std::ops::ControlFlow;
@@ -72,14 +72,14 @@ fn modes_are_mass_normalised_and_solve_the_problem() {
             .map(|(f, m)| (f - modes.eigenvalue(i) * m).powi(2))
             .sum::<f64>()
             .sqrt();
-        // Rigid motions are measured by the first elastic mode.
+        // Residuals of rigid motions are measured relative to the first elastic mode.
         let scale = inertia.iter().map(|m| m * m).sum::<f64>().sqrt() * modes.eigenvalue(i.max(6));
         assert!(error < 1e-6 * scale, "{i} {error} {scale}");
     }
 }
 
 /// K_T of mode 1 is that of the paper's Table 2; tests/peers/beam.py prints 4.4503e4. Of the washers, mesh lines and patches that were
-/// tried no others gave it: configuration A is 6 % above.
+/// tried, no others gave this value: that of configuration A is 6 % higher.
 #[test]
 fn configuration_b_has_the_papers_modal_stiffness() {
     let assembled = beam(Configuration::B, 1);
@@ -89,7 +89,7 @@ fn configuration_b_has_the_papers_modal_stiffness() {
     close(assembled.joint_modes(&stuck, &slipping)[0].k_t, 4.45e4, 5e-3, "K_T");
 }
 
-/// A free cube has pairs and triples of equal frequencies: all must be there.
+/// A free cube has pairs and triples of equal frequencies: all of them must be found.
 #[test]
 fn repeated_modes_of_a_cube_are_all_found() {
     let lines = uniform(-0.5, 0.5, 4);
@@ -130,7 +130,7 @@ fn repeated_modes_of_a_cube_are_all_found() {
     assert!(assembled.modes(Limit::Stuck, n + 1).unwrap_err().to_string().contains("unknowns"));
 }
 
-/// A search that is broken off ends by an error, and says how far it came.
+/// A search that is stopped ends with an error that states its progress.
 #[test]
 fn a_search_can_be_broken_off() {
     let assembled = beam(Configuration::A, 1);
@@ -149,7 +149,7 @@ fn a_search_can_be_broken_off() {
     assert_eq!(broken.unwrap_err(), Error::Interrupted);
 }
 
-/// Same bits whatever is computed beside.
+/// Modes have the same bits whatever else is computed at the same time.
 #[test]
 fn modes_are_reproducible() {
     let assembled = beam(Configuration::A, 1);
@@ -159,7 +159,7 @@ fn modes_are_reproducible() {
     );
 }
 
-/// Configuration B against its refinement: first five frequencies within 1 %, and the errors of bending fall as h².
+/// Configuration B against a refined mesh: the first five frequencies are within 1 %, and the errors of bending frequencies fall as h².
 #[test]
 fn frequencies_converge_and_the_papers_mesh_is_within_a_percent() {
     let elastic = |refinement: usize| -> Vec<f64> {
@@ -170,7 +170,7 @@ fn frequencies_converge_and_the_papers_mesh_is_within_a_percent() {
     for (f, reference) in coarse.iter().zip(&fine) {
         close(*f, *reference, 1e-2, "paper's mesh against one twice as fine");
     }
-    // Bending of a bare, thick beam: halving the mesh quarters the error.
+    // Bending of a bare, thick beam: half the element size gives a quarter of the error.
     let bending = |parts: usize| {
         let lines = [uniform(0.0, 8.0, 8 * parts), uniform(0.0, 1.0, parts), uniform(0.0, 0.6, parts)];
         let assembled =

@@ -1,4 +1,4 @@
-//! Nastran bulk data: fields of all forms, coordinate systems, connections, and what the errors say.
+//! Nastran bulk data: fields of all forms, coordinate systems, connections, and the errors of faulty files.
 #![allow(clippy::unwrap_used, reason = "a failed test may panic")]
 
 use std::path::Path;
@@ -40,7 +40,7 @@ fn fields_of_three_forms_and_chosen_sets() {
     assert_eq!((mesh.elements[0].label, mesh.elements[0].shape), (9, Shape::Tet4));
     assert_eq!(mesh.element_sets["PSOLID 7"], [0]);
     assert_eq!(file.sections[0].constants, [2.8e7, 0.29, 3.74e-4]);
-    // GRID's own 345, then set 4 with its six; set 5 is not chosen.
+    // The components 3, 4, 5 of GRID itself, then set 4 with its six components; set 5 is not selected.
     let held: Vec<&Rule> = file.constraints.iter().map(|c| &c.rule).collect();
     let of = |node: usize, components: std::ops::Range<usize>| {
         components.map(move |component| Freedom { node, component })
@@ -54,7 +54,7 @@ fn fields_of_three_forms_and_chosen_sets() {
     assert!(texts.iter().any(|t| t.starts_with("EIGRL was passed over")), "{texts:?}");
 }
 
-/// A system far away moved a node out of all numbers, and the mesh was taken for a sound one.
+/// A coordinate system very far away once moved a node beyond the range of numbers, and the mesh was accepted as sound.
 #[test]
 fn nodes_beyond_all_numbers_are_refused() {
     let text = "CORD2R,1,,1.7+308,0.,0.,1.7+308,0.,1.\n,1.7+308,1.,0.\nGRID,7,1,0.,-1.7+308,0.\n";
@@ -63,7 +63,7 @@ fn nodes_beyond_all_numbers_are_refused() {
     assert!(error.contains("expected finite coordinates"), "{error}");
 }
 
-/// Round systems inside a turned one, and directions of components: radial at the node.
+/// Cylindrical and spherical systems inside a turned one, and components along their directions at the node (radial, for instance).
 #[test]
 fn coordinate_systems() {
     let text = "CORD2R,1,,10.,0.,0.,10.,1.,0.\n,10.,0.,1.\nCORD2C,2,1,0.,0.,0.,0.,0.,1.\n,1.,0.,0.\nCORD2S,3,,0.,0.,0.,0.,0.,1.\n,1.,0.,0.\n\
@@ -197,7 +197,7 @@ fn mid_edge_nodes_come_in_the_order_of_the_shape() {
     }
 }
 
-/// Tabs stand for blanks up to the next of eight columns, and INCLUDE for the lines of another file.
+/// Tabs stand for blanks up to the next multiple of eight columns, and INCLUDE for the lines of another file.
 #[test]
 fn tabs_and_included_files_are_read() {
     let tabs = "GRID\t1\t\t0.\t0.\t0.\nGRID\t2\t\t1.\nGRID\t3\t\t\t1.\nGRID\t4\t\t\t\t1.\nCTETRA\t9\t7\t1\t2\t3\t4\n";
@@ -218,7 +218,7 @@ fn tabs_and_included_files_are_read() {
     assert!(error.contains("INCLUDE, another file, cannot be read"), "{error}");
 }
 
-/// A fluid is no solid.
+/// Properties of a fluid are refused, because a fluid is no solid.
 #[test]
 fn fluid_properties_are_refused() {
     let text = TETRAHEDRON.replace("PSOLID         7       8", "PSOLID,7,8,,,,,PFLUID");

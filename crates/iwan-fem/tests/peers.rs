@@ -8,10 +8,10 @@ use iwan_fem::mesh::block::{block, uniform};
 use iwan_fem::mesh::{Mesh, Shape};
 use iwan_fem::{Formulation, Limit, Material, Structure, Support};
 
-/// CalculiX prints seven digits.
+/// Relative tolerance of frequencies: CalculiX prints seven digits.
 const DIGITS: f64 = 1e-6;
 
-/// Frequencies by body and element.
+/// Frequencies, Hz, by body and element.
 fn stored(text: &str) -> BTreeMap<(String, String), Vec<f64>> {
     let mut cases: BTreeMap<(String, String), Vec<f64>> = BTreeMap::new();
     for line in text.lines().filter(|line| !line.starts_with('#')).skip(1) {
@@ -22,13 +22,13 @@ fn stored(text: &str) -> BTreeMap<(String, String), Vec<f64>> {
     cases
 }
 
-/// `skew` of the script.
+/// The function `skew` of the script.
 fn skew([x, y, z]: [f64; 3]) -> [f64; 3] {
     let bump = (PI * x / 6.0).sin() * (PI * y / 3.0).sin() * (PI * z / 2.0).sin();
     [x + 0.2 * bump, y - 0.15 * bump, z + 0.1 * bump]
 }
 
-/// The body, and the x of its clamped end.
+/// The mesh of a body, and the x coordinate of its clamped end.
 fn body(name: &str) -> (Mesh, Option<f64>) {
     let beam = block(&[uniform(-10.0, 10.0, 80), uniform(-1.0, 1.0, 8), uniform(0.0, 0.25, 1)]);
     match name {

@@ -50,7 +50,7 @@ fn curves_are_those_of_a_second_program_and_obey_masing() {
     assert!(assembled.quasi_static(&stuck, 2, 0.0).is_err());
 }
 
-/// A ring-down that starts in mode 1 alone loses what the static curve says, within 1 % in micro-slip.
+/// A ring-down that starts in mode 1 alone loses as much energy as the static curve states, within 1 % in micro-slip.
 #[test]
 fn a_ring_down_in_one_mode_follows_the_curves() {
     let assembled = paper::structure(Configuration::A, 1).unwrap().assemble().unwrap();
@@ -70,7 +70,7 @@ fn a_ring_down_in_one_mode_follows_the_curves() {
                 outputs: vec![assembled.modal_output("bending 1", modes, 6)],
             })
             .unwrap();
-        // Energy of the mode at its zero crossings: amplitude and loss per cycle.
+        // Energy of the mode at its zero crossings, which gives amplitude and loss per cycle.
         let (x, v) = (&response.outputs[0].displacement, &response.outputs[0].velocity);
         let crossings: Vec<(f64, f64)> = (1..x.len())
             .filter(|&n| x[n - 1] < 0.0 && x[n] >= 0.0)
@@ -83,7 +83,7 @@ fn a_ring_down_in_one_mode_follows_the_curves() {
         let cycles = (crossings.len() - 2) as f64;
         let loss = 0.5 * (first.1.powi(2) - last.1.powi(2)) / cycles;
         let frequency = cycles / (last.0 - first.0);
-        // The static curve, averaged over the amplitudes passed.
+        // The loss of the static curve, averaged over the amplitudes of the cycle.
         let q: Vec<f64> = crossings[1..].iter().map(|c| c.1 / (2.0 * PI * frequency)).collect();
         let mean = |x: &[f64]| x.iter().sum::<f64>() / x.len() as f64;
         let curves = analysis.curves(&q).unwrap();

@@ -1,4 +1,4 @@
-//! Joints, ties and supports that must act as mechanics says, and those that must be refused by name.
+//! Joints, ties and supports that must behave as mechanics requires, and others that must be refused by name.
 #![allow(clippy::unwrap_used, reason = "a failed test may panic")]
 
 use std::sync::Arc;
@@ -42,7 +42,7 @@ fn frequencies(structure: &Structure, contact: Limit) -> (usize, Vec<f64>) {
     (modes.zero_modes(), modes.frequencies())
 }
 
-/// Node to node without slips is as good as one block.
+/// Two blocks tied node to node without slips behave as one block.
 #[test]
 fn a_tie_of_matching_meshes_is_one_block() {
     let mut tied = two_blocks();
@@ -56,7 +56,7 @@ fn a_tie_of_matching_meshes_is_one_block() {
     }
 }
 
-/// Free slips add zero modes, one per slip that strains nothing; a law takes them away when stuck.
+/// Each free slip that strains nothing adds a zero mode; a joint law removes these modes while the joint is stuck.
 #[test]
 fn slips_are_counted() {
     let law: Law = Arc::new(Jenkins::new(50.0, 1.0).unwrap());
@@ -72,7 +72,8 @@ fn slips_are_counted() {
     }
 }
 
-/// A bar held at one end with a heavy lump at the other: the frequency is that of mass and spring.
+/// A light block with a lump of mass and springs has the eigenvalues of these, and a support that holds two directions leaves one unknown
+/// for each node.
 #[test]
 fn supports_and_lumps_do_what_they_say() {
     let lines = [uniform(0.0, 2.0, 4), uniform(0.0, 1.0, 1), uniform(0.0, 1.0, 1)];
@@ -136,7 +137,7 @@ fn impossible_structures_are_refused_by_name() {
     assert!(message.contains("`steel`"), "{message}");
 }
 
-/// All displacements tell 50 modes apart well; those along z on the top face of the beam tell 47 (rank and condition as
+/// All displacements distinguish 50 modes well; the displacements along z on the top face of the beam distinguish 47 (rank and condition as
 /// tests/peers/beam.py prints them).
 #[test]
 fn the_modal_filter_reports_rank_and_condition() {
@@ -152,7 +153,7 @@ fn the_modal_filter_reports_rank_and_condition() {
     assert!(assembled.modal_filter(&modes, &[1_000_000]).is_err());
 }
 
-/// Two blocks that nothing joins have twelve rigid motions: six of them are one too many.
+/// Two blocks that nothing joins have twelve rigid motions, six more than one structure has; a warning says so.
 #[test]
 fn parts_that_move_freely_are_told() {
     let warnings = NamedModes::new(&two_blocks(), 2).unwrap().warnings();
@@ -161,7 +162,8 @@ fn parts_that_move_freely_are_told() {
     assert!(warnings[0].starts_with(start), "{warnings:?}");
 }
 
-/// A block on springs: a factor on these is that of a structure made with it, and about one on the square of its lowest frequencies.
+/// A block on springs: a factor on the springs gives a structure made with these springs, and multiplies the squares of the lowest
+/// frequencies by about as much.
 #[test]
 fn springs_are_corrected_by_a_factor() {
     let made = |stiffness: f64| {
@@ -180,9 +182,10 @@ fn springs_are_corrected_by_a_factor() {
     let modes = truth.modes(Limit::Stuck, 6).unwrap();
     for mode in 0..3 {
         let (found, expected) = (adjusted.mode(mode).unwrap().omega_squared(), modes.eigenvalue(mode));
-        // The modes of the structure as given span a little less: frequencies are too high, in the second order.
+        // The modes of the unchanged structure cannot represent those of the changed one completely: frequencies are too high, by an error
+        // of second order.
         assert!((0.0..2e-5).contains(&(found / expected - 1.0)), "{mode}: {found} {expected}");
-        // Three translations of the mass 1, a little softer by what the block itself gives way.
+        // Three translations of the mass 1; the block's own flexibility makes their stiffness a little smaller.
         assert!((found / (3.0 * 1.21) - 1.0).abs() < 0.02, "{mode}: {found}");
     }
     for missing in [Correction::Springs(1), Correction::Material(0)] {
@@ -192,7 +195,7 @@ fn springs_are_corrected_by_a_factor() {
     assert!(format!("{adjustable:?}").starts_with("Adjustable { eigenvalues: ["), "{adjustable:?}");
 }
 
-/// Twice the modulus of one of two materials is what a structure made with it has.
+/// A factor of two on the modulus of one of two materials gives a structure made with it.
 #[test]
 fn one_of_several_materials_is_corrected_by_a_factor() {
     let made = |factor: f64| {
@@ -240,7 +243,7 @@ fn what_is_refused_has_its_kind_in_the_catalogue() {
     assert_eq!(Error::from(law.unwrap_err()).kind(), Kind::Value);
 }
 
-/// Laws have no words of their own: a slip is told by its direction, stiffness and strength.
+/// A law has no text of its own: messages describe a slip by its direction, stiffness and strength.
 #[test]
 fn a_slip_is_told_by_what_its_law_holds() {
     let law: Law = Arc::new(Jenkins::new(50.0, 1.5).unwrap());

@@ -52,7 +52,7 @@ fn peak(x: &[f64]) -> f64 {
     x.iter().fold(0.0_f64, |m, x| m.max(x.abs()))
 }
 
-/// Root mean square of the difference over that of the reference.
+/// Root mean square of the difference, relative to that of the reference.
 fn distance(x: &[f64], reference: &[f64]) -> f64 {
     let square = |x: &mut dyn Iterator<Item = f64>| x.map(|x| x * x).sum::<f64>();
     let difference = square(&mut x.iter().zip(reference).map(|(a, b)| a - b));
@@ -83,7 +83,7 @@ fn peaks_are_those_of_a_second_program() {
     }
 }
 
-/// The reduced model against the full one, and what it costs to leave the attachment vectors out.
+/// The reduced model against the full one, with and without attachment vectors.
 #[test]
 fn reduced_agrees_with_full_and_only_with_attachment_vectors() {
     let steps = 20_000;
@@ -104,7 +104,7 @@ fn reduced_agrees_with_full_and_only_with_attachment_vectors() {
     }
 }
 
-/// The basis grows until the outputs stand still; a tolerance out of reach is a status, not an error.
+/// The basis grows until the outputs change no more; a tolerance that cannot be reached is reported as a status, not as an error.
 #[test]
 fn the_basis_grows_until_the_outputs_stand_still() {
     let mut task = blow(100.0, 1000);
@@ -119,7 +119,7 @@ fn the_basis_grows_until_the_outputs_stand_still() {
     assert!(beam().assembled.reduced_transient(&task, 1e-3).is_err());
 }
 
-/// The continuum and 100 graded sliders are one model; a long joint history changes nothing about the energy.
+/// The continuum and 100 graded sliders give the same response; a long history of the joint does not affect the energy balance.
 #[test]
 fn sliders_and_continuum_agree() {
     let reduced = beam().assembled.reduce(50, Basis::default()).unwrap();
@@ -133,7 +133,7 @@ fn sliders_and_continuum_agree() {
     assert!(apart < 5e-3, "{apart}");
 }
 
-/// Frequency and energy loss per cycle of mode 1 around a time, by a Hann-windowed demodulation over six cycles.
+/// Frequency and energy loss per cycle of mode 1 near a time, by a demodulation over six cycles with a Hann window.
 fn demodulate(acceleration: &[f64], dt: f64, near: f64, time: f64) -> (f64, f64) {
     let omega = 2.0 * std::f64::consts::PI * near;
     let half = (3.0 / near / dt).round() as usize;
@@ -179,7 +179,7 @@ fn mode_one_curves_are_those_of_a_second_program() {
     }
 }
 
-/// The door to all models opens on each of them, and a run that is broken off or too large ends by an error.
+/// Each model can be run through the common entry point, and a run that is stopped or too large ends with an error.
 #[test]
 fn models_by_their_names() {
     let (assembled, task) = (&beam().assembled, blow(10.0, 600));
@@ -190,7 +190,7 @@ fn models_by_their_names() {
     };
     let basis = assembled.integrate(Model::Basis(50), &task, &heard).unwrap();
     let shares = shares.into_inner().unwrap();
-    // The search for modes, then the run.
+    // Two stages report progress: the search for modes, then the run.
     assert!(shares[0] == 0.0 && shares.windows(2).all(|s| s[1] >= s[0]), "{shares:?}");
     assert_eq!(shares[shares.len() - 2..], [256.0, 512.0].map(|n| 0.5 + 0.5 * (n / 600.0)));
     let reduced = assembled.reduce(50, Basis::default()).unwrap();
@@ -201,7 +201,7 @@ fn models_by_their_names() {
     let found = assembled.integrate(Model::Tolerance(0.5), &task, UNWATCHED).unwrap();
     assert_eq!(found.basis_error.map(|error| error.converged), Some(true));
 
-    // Second order: the error that half a step leaves is a quarter of that of the step.
+    // The scheme is of second order: the error with half the step is a quarter of that with the whole step.
     let errors = reduced.step_errors(&task, &basis.response, UNWATCHED).unwrap();
     let fine = Transient { dt: 0.5 * task.dt, steps: 2 * task.steps, ..task.clone() };
     let smaller = reduced.step_errors(&fine, &reduced.transient(&fine).unwrap(), UNWATCHED).unwrap();
@@ -227,7 +227,7 @@ fn models_by_their_names() {
     assert!(error.to_string().contains("8 GB"), "{error}");
 }
 
-/// Names, the range of amplitudes, and where quasi-static curves end.
+/// Modes by names, the range of amplitudes, and the end of quasi-static curves.
 #[test]
 fn modes_have_names_and_amplitudes() {
     let modes = NamedModes::new(&paper::structure(Configuration::A, 1).unwrap(), 5).unwrap();
@@ -248,13 +248,13 @@ fn modes_have_names_and_amplitudes() {
     for (ends, points) in [((Some(2.0), Some(1.0)), 5), ((Some(-1.0), None), 5), ((None, None), 1)] {
         assert!(matches!(modes.amplitudes(mode, ends, points), Err(Error::OutOfRange { .. })));
     }
-    // Far beyond, the parts slide freely.
+    // Far beyond macro-slip the parts slide freely.
     let far = [onset, 1e9 * onset];
     assert_eq!(modes.static_curves(mode, &far, false).unwrap().displacement, [onset]);
     assert!(modes.static_curves(mode, &far, true).is_err());
 }
 
-/// Stuck joints and modal damping: each mode loses 2π ζ of its phase's worth, and the balance of energy closes.
+/// With stuck joints and modal damping, the amplitude of a mode decays as exp(-ζ ω t), and the energy balance closes.
 #[test]
 fn modal_damping_is_that_of_the_modes() {
     let Beam { assembled, modes, bending } = beam();
@@ -263,7 +263,7 @@ fn modal_damping_is_that_of_the_modes() {
     let omega = modes.eigenvalue(bending[0]).sqrt();
     let task = Transient {
         pulse: Pulse::None,
-        // So little that friction, of the third power, does not count.
+        // The amplitude is so small that friction, which grows with its third power, has no effect.
         initial_velocity: Some(modes.shape(bending[0]).iter().map(|x| 1e-6 * x).collect()),
         ..blow(0.0, 10_000)
     };
@@ -273,7 +273,7 @@ fn modal_damping_is_that_of_the_modes() {
         let t = n as f64 * task.dt;
         let damped = omega * (1.0_f64 - zeta * zeta).sqrt();
         let exact = 1e-6 / damped * (-zeta * omega * t).exp();
-        // Amplitude from displacement and velocity together.
+        // The amplitude follows from displacement and velocity together.
         let (x, v) = (q.displacement[n], q.velocity[n]);
         let amplitude = x.hypot((v + zeta * omega * x) / damped);
         assert!((amplitude / exact - 1.0).abs() < 1e-3, "{t}: {amplitude} {exact}");
@@ -287,7 +287,7 @@ fn named() -> &'static NamedModes {
     NAMED.get_or_init(|| NamedModes::new(&paper::structure(Configuration::A, 1).unwrap(), 4).unwrap())
 }
 
-/// A mode that moves alone, so little that its joints are stuck: q = v/ω sin ωt, and a joint force of K_T q (Deaner et al., Eq. 5).
+/// A mode that moves alone, and so little that its joints are stuck: q = v/ω sin ωt, with a joint force of K_T q (Deaner et al., Eq. 5).
 #[test]
 fn a_run_from_a_moving_mode_is_its_sine() {
     let named = named();
@@ -316,7 +316,7 @@ fn a_run_from_a_moving_mode_is_its_sine() {
     for (n, force) in run.joint_forces[0].iter().enumerate() {
         assert!((force - mode.pair.k_t * q[n]).abs() < 1e-4 * mode.pair.k_t * size, "{n}");
     }
-    // Pictures at the begin, halfway and at the end are the shape times q.
+    // Pictures at the beginning, halfway and at the end show the mode shape times q.
     let shape = named.assembled.displacements(named.stuck.shape(mode.pair.stuck));
     let widest = shape.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
     assert_eq!(run.frames.iter().map(|f| f.time).collect::<Vec<_>>(), [0.0, 0.01, 0.02]);
@@ -326,7 +326,7 @@ fn a_run_from_a_moving_mode_is_its_sine() {
         }
     }
     assert_eq!((run.basis, run.basis_error), (Some(12), None));
-    // The full model gives the response alone.
+    // The full model returns the response only.
     let short = Transient { steps: 20, ..task };
     let full = named.run(vec![mode], Model::Full, &short, extras, UNWATCHED).unwrap();
     assert!(full.errors.is_none() && full.frames.is_empty() && full.basis.is_none());
@@ -336,7 +336,7 @@ fn a_run_from_a_moving_mode_is_its_sine() {
     assert!(message.starts_with("there is no mode \"bending 9\"; choose from bending 1"), "{message}");
 }
 
-/// What an earlier run kept serves as if it had been found again, and belongs to its own matrices alone.
+/// Modes that an earlier run kept can be used as if they were computed again, but only with the matrices to which they belong.
 #[test]
 fn kept_modes_serve_their_own_structure() {
     let first = named();
@@ -370,7 +370,7 @@ fn kept_modes_serve_their_own_structure() {
     assert!(message.contains("stiffness or mass of its structure are not those it was made of"), "{message}");
 }
 
-/// A duration that is a multiple of the step has all its steps, and tasks that belong elsewhere are refused with what was found.
+/// A duration that is a multiple of the step has all its steps; tasks that do not fit the structure are refused with what was found.
 #[test]
 fn tasks_are_checked_before_they_are_run() {
     assert_eq!((Transient::steps_in(1e-5, 0.2), Transient::steps_in(1e-5, 0.2 - 1e-9)), (20_000, 19_999));

@@ -1,4 +1,4 @@
-//! VTU files say what the mesh and the fields are, bit by bit.
+//! VTU files hold mesh and fields with all their bits.
 
 use iwan_fem::mesh::beam::{Configuration, beam};
 use iwan_fem::mesh::vtu::{Field, grid, series};

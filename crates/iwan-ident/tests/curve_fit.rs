@@ -1,4 +1,4 @@
-//! From records to curves to parameters: what curves can tell and what they cannot.
+//! From records to curves to parameters: which parameters curves determine, and which they do not.
 #![allow(clippy::unwrap_used, clippy::print_stderr, reason = "a failed test may panic and say why")]
 
 use iwan_core::{Backbone, Continuum, Newmark, Reversal, Samples};
@@ -14,7 +14,7 @@ use iwan_machine::Kind;
 const MODE_1: Parameters =
     Parameters { frequency: 124.0, damping_ratio: 0.0, k_t: 4.45e4, f_s: 239.4, chi: -0.183, beta: 0.3 };
 
-/// Acceleration after release at `ratio` φ_max, by 200 time steps a sample of the continuum.
+/// Acceleration after release at `ratio` φ_max, by 200 time steps of the continuum for each sample.
 fn record(mode: &Parameters, ratio: f64, dt: f64, samples: usize) -> Vec<f64> {
     let (oscillator, joint) = mode.model().unwrap();
     let law = Continuum::new(&joint);
@@ -44,7 +44,7 @@ fn micro_slip_gives_slope_and_dissipation_level() {
         assert!((ratio - 1.0).abs() < 0.02, "{}: {ratio}", curves.t[i]);
     }
     let slope = curves.slope((0.0, f64::INFINITY)).unwrap().slope;
-    // The modal force ω² q grows a little slower than q, the slope over it is a little steeper.
+    // The modal force ω² q grows a little more slowly than q, so the slope over force is a little steeper.
     assert!((slope - 2.817).abs() < 0.02, "{slope}");
     let first = start(&curves).unwrap();
     eprintln!("{first:?}");
@@ -57,7 +57,7 @@ fn micro_slip_gives_slope_and_dissipation_level() {
 
 #[test]
 fn a_damper_that_is_ignored_makes_the_slope_drift_with_the_level() {
-    // Sec. 4.5, Table 4: with the damper held at zero the exponent depends on the level, with the damper free it does not.
+    // Sec. 4.5, Table 4: with the damper held at zero the exponent depends on the level; with a free damper it does not.
     let truth = Parameters { damping_ratio: 2.5e-4, ..MODE_1 };
     let dt = 2e-4;
     let exponents = |held: &[Parameter]| -> Vec<f64> {
@@ -99,7 +99,7 @@ fn static_curves_give_the_parameters_back() {
     assert!(found.dissipation_misfit < 1e-4 && found.frequency_misfit < 1e-4, "{found:?}");
     assert!((found.parameters.frequency / MODE_1.frequency - 1.0).abs() < 1e-14, "{found:?}");
     assert!((found.parameters.k_t / MODE_1.k_t - 1.0).abs() < 1e-14, "{found:?}");
-    // Dissipation that is 10 % too large at one place alone is not fitted away, and the misfit says so.
+    // A dissipation that is 10 % too large at one place only cannot be fitted, and the misfit shows this.
     let mut off = dissipation.clone();
     off[12] *= 1.1;
     let curves = StaticCurves { dissipation: &off, ..curves };
@@ -163,7 +163,7 @@ fn levels_tell_a_damper_from_friction_or_are_refused() {
     let found = compare_levels(&levels, 80.0).unwrap();
     assert!((found.damping_ratio / 5e-4 - 1.0).abs() < 1e-2 && (found.slope - 2.6).abs() < 1e-2, "{found:?}");
     assert!(found.misfit < 1e-3 && found.steps.len() == 2, "{found:?}");
-    // As it is, the dissipation has a slope between those of both.
+    // The uncorrected dissipation has a slope between those of damper and friction.
     assert!(found.steps.iter().all(|s| s.total > 2.0 && s.total < 2.6 && (s.friction - 2.6).abs() < 1e-2));
     let mut growing = levels.clone();
     growing[1].dissipation[20..40].iter_mut().for_each(|d| *d = -*d);
@@ -177,7 +177,7 @@ fn levels_tell_a_damper_from_friction_or_are_refused() {
     assert_eq!(error, Error::Length { name: "dissipation", needed: 60, found: 59 });
 }
 
-/// |F_J| = (ω² - ω0² + K_T) q: at the small-amplitude frequency K_T q.
+/// |F_J| = (ω² - ω0² + K_T) q, which at the small-amplitude frequency is K_T q.
 #[test]
 fn curves_are_drawn_over_the_joints_force() {
     let modal = level(3.0);
@@ -195,7 +195,7 @@ fn curves_are_drawn_over_the_joints_force() {
         let error = modal.clone().on_axis(axis).unwrap_err();
         assert!(matches!(&error, Error::OutOfRange { name: found, .. } if *found == name), "{error}");
     }
-    // Friction alone has its own slope; two points have none, nor have points one above the other.
+    // Friction alone has a slope of its own; two points have none, nor do points at one and the same force.
     let mut friction = modal;
     friction.dissipation = friction.force.iter().map(|f| 2e-9 * f.powf(2.6)).collect();
     assert!((friction.slope((0.0, f64::INFINITY)).unwrap().slope - 2.6).abs() < 1e-9);

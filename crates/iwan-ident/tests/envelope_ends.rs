@@ -1,4 +1,4 @@
-//! First and last points of envelopes against the curves of the joints that the records were made with.
+//! First and last points of envelopes against the curves of the joints from which the records were made.
 #![allow(clippy::unwrap_used, reason = "a failed test may panic and say why")]
 
 use std::f64::consts::TAU;
@@ -7,7 +7,7 @@ use iwan_core::{Decay, Motion, Reversal, Samples, SplitMix64};
 use iwan_ident::Parameters;
 use iwan_ident::signal::{Envelope, Method, Options, envelope};
 
-/// A ring-down in acceleration, and what made it.
+/// A ring-down in acceleration, and the parameters from which it was made.
 struct Case {
     truth: Parameters,
     samples: Vec<f64>,
@@ -43,7 +43,8 @@ fn case(seed: u64) -> Case {
 }
 
 impl Case {
-    /// Behind so many samples of nothing, with noise of a part of the root mean square, an offset and another mode at 3.3 times the frequency.
+    /// The record behind `before` samples of silence, with noise of a part of the root mean square, an offset, and another mode at 3.3
+    /// times the frequency.
     fn record(&mut self, before: usize, noise: f64, offset: f64, other: f64) -> Vec<f64> {
         let rms = (self.samples.iter().map(|x| x * x).sum::<f64>() / self.samples.len() as f64).sqrt();
         let omega = 3.3 * TAU * self.truth.frequency;
@@ -57,7 +58,7 @@ impl Case {
         record
     }
 
-    /// Of the first and the last point: relative error of the damping ratio, and errors of damping and frequency in standard deviations.
+    /// For the first and the last point: relative error of the damping ratio, and errors of damping and frequency in standard deviations.
     fn ends(&self, e: &Envelope) -> [[f64; 3]; 2] {
         let (oscillator, joint) = self.truth.model().unwrap();
         [0, e.t.len() - 1].map(|i| {
@@ -90,7 +91,7 @@ fn clean_ends_are_those_of_the_joint() {
             first.push(a[0].abs());
             last.push(b[0].abs());
         }
-        // Behind the filter alone 5 % and 15 %.
+        // Without the treatment of the ends, the filter alone left errors of 5 % and 15 %.
         let found = [median(first), median(last)];
         assert!(found[0] < 0.02 && found[1] < 0.002, "{method:?} {found:?}");
     }

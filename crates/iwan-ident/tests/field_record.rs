@@ -1,7 +1,7 @@
-//! Measured records. The Brake-Reuss beam, mode 1: envelopes by all methods, curves, densities, identification; a double beam's hits and a pendulum:
-//! which law, and whether hits lie in the bands of others.
+//! Measured records: of the Brake-Reuss beam, mode 1, the envelopes by all methods, curves, densities and identification; of a double
+//! beam's hits and a pendulum, which law describes them, and whether hits lie in the bands of the others.
 //!
-//! Reported as not run without `IWAN_FIELD_DATA`, which names the folder with `field/`.
+//! These tests are reported as not run unless `IWAN_FIELD_DATA` names the folder that holds `field/`.
 #![allow(clippy::unwrap_used, reason = "a failed test may panic")]
 
 #[path = "../../../tests/support/field.rs"]
@@ -29,7 +29,7 @@ const REFERENCE: [(f64, f64, f64); 6] = [
     (4.0, 80.58, 0.141),
 ];
 
-/// The channels that do not sit next to a node of mode 1.
+/// The channels whose sensors are not close to a node of mode 1.
 const MOVING: [usize; 2] = [0, 2];
 
 fn record(path: &Path) -> Record {
@@ -87,11 +87,11 @@ fn no_density_matches_its_damping_and_frequency_together(path: &Path) {
         let curves = [curves(&record, channel)];
         let four = fit(&curves, &start(&curves[0]).unwrap().parameters, &[]).unwrap().verdict;
         let [found, alone] = [Evidence::Both, Evidence::Dissipation].map(|e| density(&curves, e).unwrap());
-        // Damping by itself is matched by a density of some form, which then asks for another frequency.
+        // A density of some form fits the damping alone, but then predicts another frequency.
         let words = alone.words(&four);
         assert!(alone.dissipation_misfit < 0.25 * four.dissipation_misfit, "{words}");
         assert!(alone.frequency_misfit > 1.3 * four.frequency_misfit, "{words}");
-        // Both together are matched by none.
+        // No density fits both together.
         assert!(found.mean_square > 20.0 && found.words(&four).contains("no density of sliders"));
         let share = (found.dissipation_misfit / four.dissipation_misfit).powi(2)
             + (found.frequency_misfit / four.frequency_misfit).powi(2);
@@ -103,13 +103,13 @@ fn its_record_is_matched_and_the_law_is_known_to_miss_some(path: &Path) {
     let record = record(path);
     let source = ModeRecord { samples: record.channel(0), dt: record.dt(), quantity: Quantity::Acceleration };
     let found = identify(&[source], &Settings::default()).unwrap();
-    // Within 3 % of dissipation and a tenth of the shift; what is missed there is no noise, and the intervals allow for it.
+    // The misfit is within 3 % of dissipation and a tenth of the frequency shift; it is no noise, and the intervals allow for it.
     assert!(found.verdict.adequate && found.verdict.dissipation_misfit < 0.03, "{}", found.verdict.misfit);
     assert!((0.005..0.1).contains(&found.refined.discrepancy.dissipation), "{:?}", found.refined.discrepancy);
     assert!(!found.linear.is_enough());
 }
 
-/// Six hits of one double beam, times rounded to 1 µs.
+/// Six hits on one double beam; their times are rounded to 1 µs.
 fn hits_of_the_double_beam(path: &Path) -> Vec<Record> {
     let options = ReadOptions { rate: Some(5120.0), ..ReadOptions::default() };
     (1..=6)
@@ -132,7 +132,7 @@ fn a_hit_that_was_held_out_lies_in_the_bands_of_the_others(path: &Path) {
         let kept: Vec<_> = (0..6).filter(|k| *k != out).map(|k| all[k]).collect();
         let band = compare_laws(&kept, &settings).unwrap().backbone;
         let single = compare_laws(&all[out..=out], &settings).unwrap();
-        // Every hit by itself is told by softening and dissipation of separate powers.
+        // Each single hit is best described by softening and dissipation with separate powers.
         let law = single.named("separate-powers").unwrap();
         assert!(law.dissipation_misfit < 0.03 && law.frequency_misfit < 0.004, "{out} {law:?}");
         for (i, a) in single.backbone.amplitude.iter().enumerate() {
@@ -161,7 +161,7 @@ fn a_pendulum_is_told_from_a_joint(path: &Path) {
     let law = found.chosen();
     assert_eq!(law.law.name, "duffing-coulomb-quadratic", "{}", found.in_words());
     assert!(law.dissipation_misfit < 0.02, "{}", found.in_words());
-    // Far from an Iwan joint: strong evidence begins at 6.
+    // The law is far from an Iwan joint: strong evidence begins at a difference of 6.
     assert!(found.named("iwan").unwrap().criterion > 20.0);
 }
 

@@ -1,4 +1,4 @@
-//! The free-form density: recovered where the record informs it, better than four parameters where these are too few.
+//! The free-form density: it is recovered where the record determines it, and better than four parameters where these are too few.
 #![allow(clippy::unwrap_used, clippy::print_stderr, reason = "a failed test may panic and say why")]
 
 use std::f64::consts::TAU;
@@ -13,7 +13,7 @@ use iwan_ident::signal::{Method, Options, envelope};
 const MODE_1: Parameters =
     Parameters { frequency: 124.0, damping_ratio: 5e-4, k_t: 4.45e4, f_s: 239.4, chi: -0.183, beta: 0.3 };
 
-/// Curves of a joint by averaging, with relative noise on D and noise in Hz on the frequency, from a seed.
+/// Curves of a joint by averaging, with relative noise on D and noise in Hz on the frequency; `seed` sets the random numbers.
 fn curves_of(law: &dyn Backbone, top: f64, zeta: f64, noise: (f64, f64), mut seed: u64) -> Curves {
     let mut normal = || -> f64 {
         let uniform = |seed: &mut u64| {
@@ -25,7 +25,7 @@ fn curves_of(law: &dyn Backbone, top: f64, zeta: f64, noise: (f64, f64), mut see
     let omega0 = TAU * 124.0;
     let omega = |u: f64| (omega0 * omega0 - law.initial_stiffness() + law.harmonic_stiffness(u)).sqrt();
     let u: Vec<f64> = (0..150).map(|i| top * 0.97_f64.powi(i)).collect();
-    // Curves take the energy from the velocity amplitude, which falls slower than the displacement's.
+    // The curves' energy comes from the velocity amplitude, which falls more slowly than that of the displacement.
     let slower = |u: f64| 1.0 + (omega(1.01 * u) / omega(0.99 * u)).ln() / (1.01_f64 / 0.99).ln();
     let lost = |u: &f64| (law.dissipation(*u) + TAU * zeta * omega0 * omega(*u) * u * u) * slower(*u);
     Curves {
@@ -80,7 +80,7 @@ fn a_four_parameter_density_is_recovered_from_a_simulated_record() {
     assert!(found.mean_square < 1.01);
 }
 
-/// Two families of sliders: a power law and a hump of four-parameter joints' making.
+/// A joint with two families of sliders, the sum of two four-parameter joints: a power law and a hump.
 struct Two(FourParameter, FourParameter);
 
 impl Backbone for Two {
@@ -119,7 +119,7 @@ impl Backbone for Two {
     }
 }
 
-/// Mode 1's joint, and a weak one that slips wholly at a twentieth of its φ_max.
+/// The joint of mode 1, and a weak joint that slips completely at a twentieth of the former's φ_max.
 fn two() -> Two {
     let strong = FourParameter::new(4.45e4, 239.4, -0.183, 0.3).unwrap();
     let k_t = 0.2 * 4.45e4;
@@ -137,7 +137,7 @@ fn two_families_are_seen_where_four_parameters_miss_them() {
     let four = fit_from(&curves, &starts, &[]).unwrap();
     eprintln!("{}\n{}", four.verdict.misfit, found.words(&four.verdict));
     let edge = joint.1.phi_max();
-    // Below the weak family's edge there are more sliders than beyond: by how much, the law says.
+    // Below the upper edge of the weak family there are more sliders than above it; the law states how many more.
     let true_step = |phi: f64| {
         let weak = joint.1.stiffness_below(1.01 * phi) - joint.1.stiffness_below(0.99 * phi);
         power_law(&joint.0, phi) + weak / (0.02 * phi)

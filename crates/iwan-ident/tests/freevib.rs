@@ -20,8 +20,8 @@ fn a_linear_mode_has_its_frequency_and_damping() {
     assert!((at.frequency / (80.0 * (1.0 - zeta * zeta).sqrt()) - 1.0).abs() < 1e-5, "{at:?}");
 }
 
-/// A hardening spring, x'' + 2 h x' + k x + c x³ = 0: backbone ω²(A) = k + ¾ c A², and h itself, which the slope of ln A alone misses because the frequency
-/// falls as the amplitude does.
+/// A hardening spring, x'' + 2 h x' + k x + c x³ = 0. Its backbone is ω²(A) = k + ¾ c A². The slope of ln A alone does not give h, because
+/// the frequency falls with the amplitude.
 #[test]
 fn a_hardening_spring_has_its_backbone_and_a_constant_damping_coefficient() {
     let (k, c, h) = ((TAU * 40.0).powi(2), 0.4 * (TAU * 40.0).powi(2), 4.0);
@@ -47,7 +47,8 @@ fn a_hardening_spring_has_its_backbone_and_a_constant_damping_coefficient() {
         let at = e.at(t).unwrap();
         (at.damping_ratio * TAU * at.frequency, at.frequency, at.amplitude)
     };
-    // SciPy (tests/peers/decays.py): Feldman's equations on the solution by DOP853, time, natural frequency, damping coefficient.
+    // Reference by SciPy (tests/peers/decays.py): Feldman's equations on the solution by DOP853; time, natural frequency, damping
+    // coefficient.
     for (t, natural, other) in [(0.2, 41.30978, 4.0036), (0.3, 40.60306, 3.9995)] {
         let (damping, frequency, _) = coefficient(&found, t);
         assert!(
@@ -60,7 +61,7 @@ fn a_hardening_spring_has_its_backbone_and_a_constant_damping_coefficient() {
         let (damping, frequency, amplitude) = coefficient(&found, t);
         let backbone = (k + 0.75 * c * amplitude * amplitude).sqrt() / TAU;
         assert!((frequency / backbone - 1.0).abs() < 5e-3, "{t}: {frequency} {backbone}");
-        // To first order in c A²/k Feldman's coefficient is h (1 + c A²/8k), the plain one h (1 - c A²/4k).
+        // To first order in c A²/k, Feldman's coefficient is h (1 + c A²/8k), and the slope of ln A gives h (1 - c A²/4k).
         let ratio = c * amplitude * amplitude / k;
         assert!((damping / h - 1.0 - ratio / 8.0).abs() < 0.02, "{t}: {damping} {h} {amplitude}");
         assert!(coefficient(&plain, t).0 < damping, "{t}");

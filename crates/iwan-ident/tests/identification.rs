@@ -1,4 +1,4 @@
-//! From records to intervals: what is told, what stays open.
+//! From records to intervals: which parameters a record determines, and which intervals stay open.
 #![allow(clippy::unwrap_used, clippy::print_stderr, reason = "a failed test may panic and say why")]
 
 use std::sync::Arc;
@@ -17,13 +17,13 @@ use crate::law_records::softening::softening;
 const MODE_1: Parameters =
     Parameters { frequency: 124.0, damping_ratio: 2.5e-4, k_t: 4.45e4, f_s: 239.4, chi: -0.183, beta: 0.3 };
 
-/// Acceleration after release at `ratio` φ_max: time steps of the continuum, 40 a sample, so that the half-cycle map
-/// of the identification is not its own witness.
+/// Acceleration after release at `ratio` φ_max, by 40 time steps of the continuum for each sample: not by the half-cycle map, which the
+/// identification itself uses.
 fn record(mode: &Parameters, ratio: f64, dt: f64, samples: usize) -> Vec<f64> {
     finely(mode, ratio, dt, samples, 40)
 }
 
-/// The same with another number of steps a sample.
+/// The same acceleration, with `fraction` steps for each sample.
 fn finely(mode: &Parameters, ratio: f64, dt: f64, samples: usize, fraction: usize) -> Vec<f64> {
     let (oscillator, joint) = mode.model().unwrap();
     let law = Continuum::new(&joint);
@@ -37,7 +37,7 @@ fn finely(mode: &Parameters, ratio: f64, dt: f64, samples: usize, fraction: usiz
     out[2].iter().copied().step_by(fraction).collect()
 }
 
-/// Normal deviates by the polar method on a multiplicative congruential generator.
+/// Normally distributed numbers, by the polar method from a linear congruential generator.
 struct Noise(u64);
 
 impl Noise {
@@ -72,7 +72,7 @@ fn identified(records: &[Vec<f64>], dt: f64) -> Identification {
     identify(&records, &Settings::default()).unwrap()
 }
 
-/// How often intervals held the truth, of those that were closed, and how often they were closed.
+/// For each parameter, how many intervals were closed, and how many of these held the truth.
 struct Coverage {
     covered: [usize; 6],
     closed: [usize; 6],
@@ -114,18 +114,18 @@ fn coverage(truth: &Parameters, clean: &[f64], dt: f64, decibels: f64, repetitio
 fn intervals_at_40_decibels_hold_the_truth_as_often_as_they_say() {
     let dt = 1.0 / 5000.0;
     let clean = record(&MODE_1, 1.5, dt, 1500);
-    // Two hundred and more: `scripts/validate`.
+    // `scripts/validate` takes two hundred and more.
     let count = coverage(&MODE_1, &clean, dt, 40.0, 40);
     for i in 0..6 {
-        // Through macro-slip all six are told, but for a freak of the noise.
+        // A record through macro-slip determines all six parameters, except for rare noise.
         assert!(count.closed[i] >= 38, "{}: {}", Parameter::ALL[i].name(), count.closed[i]);
         let share = count.covered[i] as f64 / count.closed[i] as f64;
         assert!(share >= 0.875, "{}: {share}", Parameter::ALL[i].name());
     }
 }
 
-/// Ring-down of a mode of 124 Hz whose dissipation grows with the amplitude's power 1.6 over the linear one and whose frequency falls with the power 1.1:
-/// no Iwan joint has both, for its powers are one. Frequency and damping differ from hit to hit as `scatter` says.
+/// Ring-down of a mode of 124 Hz whose dissipation exceeds the linear one in proportion to the amplitude's power 1.6, and whose frequency falls
+/// with the power 1.1: no Iwan joint has both, since its two powers are equal. `scatter` shifts frequency and damping of the hit.
 fn another_law(amplitude: f64, dt: f64, samples: usize, scatter: [f64; 2]) -> Vec<f64> {
     let (mut a, mut phase, fraction) = (amplitude, 0.0_f64, 20);
     let h = dt / f64::from(fraction);
@@ -143,8 +143,8 @@ fn another_law(amplitude: f64, dt: f64, samples: usize, scatter: [f64; 2]) -> Ve
     (0..samples).map(sample).collect()
 }
 
-/// Four hits of a specimen whose frequency strays by 0.3 % from day to day and whose damping by 3 %: phases are radians apart by the end, and the parameters are
-/// those of the mean.
+/// Four hits of a specimen whose frequency varies by 0.3 % from day to day, and its damping by 3 %: by the end of the records phases differ
+/// by radians. The parameters found are those of the mean.
 #[test]
 fn hits_of_other_days_are_told_by_their_mean() {
     let dt = 1.0 / 2000.0;
@@ -157,7 +157,7 @@ fn hits_of_other_days_are_told_by_their_mean() {
             let own = Parameters {
                 frequency: MODE_1.frequency * (1.0 + frequency),
                 damping_ratio: 1e-3 * (1.0 + damping),
-                // Dissipation in micro-slip goes with R, which is K_T over φ_max to the power 1 + χ.
+                // Dissipation in micro-slip is proportional to R, and R to K_T over φ_max to the power 1 + χ.
                 f_s: MODE_1.f_s * (1.0 + damping).powf(-1.0 / (1.0 + MODE_1.chi)),
                 ..MODE_1
             };
@@ -180,11 +180,11 @@ fn hits_of_other_days_are_told_by_their_mean() {
         );
         assert!(low < truth && truth < high, "{parameter:?}: {low} to {high}");
     }
-    // The mean of four with a scatter of 0.37 %: ± 0.58 % by Student's t.
+    // The interval of the mean of four hits with a scatter of 0.37 % is ± 0.58 % by Student's t.
     let frequency = found.profile(Parameter::Frequency);
     let width = (frequency.high.unwrap() - frequency.low.unwrap()) / MODE_1.frequency;
     assert!((0.006..0.02).contains(&width), "{width}");
-    // Days against each other are what the hits were made with, but for the softening that goes with their dissipation.
+    // Differences between days are those with which the hits were made, except for the softening that goes with their dissipation.
     for (start, [stray, _]) in found.refined.starts.iter().zip(&strays) {
         let apart = start.day - found.refined.starts[0].day;
         assert!((apart - (stray - strays[0][0])).abs() < 5e-4, "{apart}");
@@ -192,8 +192,7 @@ fn hits_of_other_days_are_told_by_their_mean() {
     assert!(found.in_words().iter().any(|w| w.contains("a day of its own")), "{:?}", found.in_words());
 }
 
-/// Hits of a law that is no Iwan joint, with the scatter of measured hits (0.003 Hz, 1 %): what one says the others say too.
-/// Two modes 5 % apart were one mode with days of their own, "usable".
+/// Two modes 5 % apart were once taken for one mode whose frequency differs between days, and called "usable".
 #[test]
 fn records_of_two_modes_are_refused_whichever_is_given_first() {
     let dt = 1.0 / 2000.0;
@@ -208,6 +207,7 @@ fn records_of_two_modes_are_refused_whichever_is_given_first() {
     }
 }
 
+/// Hits of a law that is no Iwan joint, with the scatter of measured hits (0.003 Hz, 1 %): the intervals of different hits overlap.
 #[test]
 fn hits_of_another_law_do_not_contradict_each_other() {
     let dt = 1.0 / 2500.0;
@@ -240,7 +240,7 @@ fn hits_of_another_law_do_not_contradict_each_other() {
             }
         }
     }
-    // Sixty of sixty-six, as measured hits shall: these hits see different amplitudes of a law whose powers no Iwan joint has.
+    // Sixty of sixty-six pairs must overlap, as required of measured hits: these hits cover different amplitudes of a law whose powers no Iwan joint has.
     assert!(66 * together >= 60 * pairs, "{together} of {pairs}");
 }
 
@@ -250,13 +250,14 @@ fn noise_at_20_decibels_brings_no_wrong_certainty() {
     for ratio in [0.3, 1.5] {
         let clean = record(&MODE_1, ratio, dt, 1500);
         let count = coverage(&MODE_1, &clean, dt, 20.0, 6);
-        // At a level of 95 % four misses in six happen once in 11,000 tries.
+        // With 95 % intervals, four misses in six happen once in 11,000 tries.
         assert!(count.missed.iter().all(|m| *m <= 3), "{ratio}: {:?}", count.missed);
     }
 }
 
-/// Where an interval ends at one knee, another may accept more: walks that kept their knee put the lower end of the first joint's damping ratio at 2.4 times the truth,
-/// that of the second at 1.2 times, and the third's frequency above the truth.
+/// Where an interval ends at one knee (value of φ_max), another knee may accept values beyond. Walks along a parameter that kept their knee
+/// once put the lower end of the first joint's damping ratio at 2.4 times the truth, that of the second at 1.2 times, and that of the third
+/// joint's frequency above the truth.
 #[test]
 fn what_another_knee_accepts_lies_inside_the_interval() {
     for seed in [10, 29, 38] {
@@ -269,8 +270,9 @@ fn what_another_knee_accepts_lies_inside_the_interval() {
     }
 }
 
-/// Decays through macro-slip that are at rest before the record is half over: the joint's own law was graded `no`, with all intervals open, because the curves' tails in noise
-/// missed 25 to 60 % of dissipation, and because the record's filter saw what was before the release and the model's did not.
+/// Decays through macro-slip that are at rest before the record is half over. The joint's own law was once graded `no`, with all intervals
+/// open, because the curves' tails in noise missed 25 to 60 % of dissipation, and because the record's filter, but not the model's, included
+/// the samples before the release.
 #[test]
 fn fast_decays_into_noise_are_matched() {
     let soft =
@@ -315,7 +317,7 @@ fn micro_slip_tells_the_power_and_the_level_and_leaves_the_rest_open() {
     assert!(found.in_words().iter().any(|w| w.contains("f_s") && w.contains("no upper bound")));
 }
 
-/// Where K_T and F_S are given the knee follows from them, and none of the searches may move it.
+/// Where K_T and F_S are given, the knee φ_max follows from them, and no search may move it.
 #[test]
 fn given_parameters_keep_their_values() {
     let dt = 1.0 / 5000.0;
@@ -367,7 +369,7 @@ fn a_linear_mode_needs_no_joint() {
     assert!(found.in_words().iter().any(|w| w.contains("joint is not needed")));
 }
 
-/// Stopped before, or while it works: no result, and an end.
+/// An identification that is stopped before it begins, or while it works, ends without a result.
 #[test]
 fn an_identification_can_be_stopped() {
     let records: Vec<Vec<f64>> = (0..8).map(|i| record(&MODE_1, 0.3 * 1.4_f64.powi(i), 2e-4, 2500)).collect();
@@ -390,19 +392,19 @@ fn an_identification_can_be_stopped() {
 fn two_and_a_half_samples_a_cycle_are_enough() {
     for (per_cycle, seed) in [(2.9, 0), (2.56, 0), (2.56, 7)] {
         let dt = 1.0 / (124.0 * per_cycle);
-        // With a quarter as many steps the record itself is off by more than the 1e-5 that its intervals are wide.
+        // With a quarter of these steps the error of the record itself would exceed the width of its intervals, 1e-5.
         let clean = finely(&MODE_1, 0.43, dt, (1.5 / dt) as usize, 2560);
         let found = identified(&[if seed == 0 { clean } else { noisy(&clean, 50.0, seed) }], dt);
         for p in &found.profiles.parameters {
             let (truth, (low, high)) = (MODE_1.get(p.parameter), (p.low, p.high));
-            // A closed end may miss by a tenth of the interval: these are single records.
+            // Since these are single records, a closed end may miss the truth by a tenth of the interval.
             let slack = low.zip(high).map_or(0.0, |(low, high)| 0.1 * (high - low));
             let inside = low.is_none_or(|l| l <= truth + slack) && high.is_none_or(|h| truth <= h + slack);
             assert!(inside, "{per_cycle}, {seed}: {:?} [{low:?}, {high:?}]", p.parameter);
         }
         let told = |n: usize| found.profiles.parameters[n].identifiable();
         assert!(told(0) && told(4), "{per_cycle}, {seed}: {:?}", found.profiles.parameters);
-        // Next to half the sampling rate the curves that the verdict compares lose accuracy: 4 % of damping at 2.56.
+        // Close to half the sampling rate the curves that the verdict compares lose accuracy: 4 % of damping at 2.56 samples a cycle.
         let misfit = found.verdict.dissipation_misfit;
         assert!(misfit < if per_cycle < 2.6 { 0.06 } else { 0.01 }, "{per_cycle}, {seed}: {misfit}");
     }
@@ -413,8 +415,9 @@ fn two_and_a_half_samples_a_cycle_are_enough() {
     assert!(error.contains("samples per cycle = 2.3") && error.contains("at least 2.5"), "{error}");
 }
 
-/// Tables of half cycles are off by 4e-5 where macro-slip ends: without noise that put K_T off by 1e-3 inside an interval of 2.5e-4 (12). Where the joint slips as a whole in the first half cycle
-/// only, two knees tell all windows to the last digit: K_T off by 4 % inside an interval of 0.3 % (149, 169).
+/// Tables of half cycles have an error of 4e-5 where macro-slip ends: without noise this once put K_T off by 1e-3, with an interval of 2.5e-4
+/// (record 12). Where the joint slips as a whole in the first half cycle only, two knees reproduce all windows to the last digit: K_T was
+/// once off by 4 %, with an interval of 0.3 % (149, 169).
 #[test]
 fn records_without_noise_through_macro_slip_close_no_wrong_interval() {
     // Numbers of the softening records that `scripts/validate` draws.
@@ -423,25 +426,25 @@ fn records_without_noise_through_macro_slip_close_no_wrong_interval() {
         let found = identified(&[samples], dt);
         for parameter in Parameter::ALL {
             let (profile, value) = (found.profile(parameter), truth.get(parameter));
-            // Of the others, windows alone do not tell two knees apart.
+            // In the other records the windows alone do not distinguish two knees.
             assert!(number > 12 || profile.low.is_some() && profile.high.is_some(), "{parameter:?} is open");
             holds(&found, &truth, parameter);
             let off = (found.parameters.get(parameter) / value - 1.0).abs();
-            // The first samples of number 149, ten a cycle, leave its knee to half a per cent; the intervals are open.
+            // The first samples of number 149, ten a cycle, determine its knee only to half a per cent; the intervals are open.
             assert!(off < if number == 149 { 5e-3 } else { 1e-4 }, "{number}: {parameter:?} is off by {off}");
         }
     }
 }
 
-/// That no closed end of an interval excludes the truth.
+/// Asserts that no closed end of an interval excludes the truth.
 fn holds(found: &Identification, truth: &Parameters, parameter: Parameter) {
     let (profile, value) = (found.profile(parameter), truth.get(parameter));
     let inside = profile.low.is_none_or(|low| low <= value) && profile.high.is_none_or(|high| value <= high);
     assert!(inside, "{parameter:?}: {value} in {:?} to {:?}", profile.low, profile.high);
 }
 
-/// A joint of few sliders is not the law of the fit, and its record shows no noise: one slider that began to slip once was taken for the onset of macro-slip (F_S 8.4 for 239), and
-/// intervals of a thousandth missed β by a tenth.
+/// A joint of few sliders is not the law of the fit, and its record shows no noise. One slider that began to slip was once taken for the onset
+/// of macro-slip (F_S 8.4 instead of 239), and intervals of a thousandth missed β by a tenth.
 #[test]
 fn sliders_in_place_of_the_continuum_exclude_no_truth() {
     for (sliders, amplitude, seconds) in
@@ -454,13 +457,14 @@ fn sliders_in_place_of_the_continuum_exclude_no_truth() {
             let own = found.parameters.get(parameter);
             assert!(profile.low.is_none_or(|low| low <= own) && profile.high.is_none_or(|high| own <= high));
         }
-        // The frequency is told all the same, but where few sliders have begun to slip, or the whole joint slips in every cycle.
+        // The frequency is determined all the same, except where few sliders have begun to slip, or the whole joint slips in every cycle.
         let told = found.profile(Parameter::Frequency).identifiable();
         assert!(told || !(500.0..2000.0).contains(&amplitude), "{sliders} {amplitude} {seconds}");
     }
 }
 
-/// A tone of a shaker that falls by half a per cent in four seconds: linear, Iwan and every other law follow it, so that none is told.
+/// A tone of a shaker that falls by half a per cent in four seconds: the linear law, an Iwan joint and every other law fit it, so that the
+/// record cannot decide between them.
 #[test]
 fn a_tone_that_hardly_falls_is_refused() {
     let dt = 1e-3;

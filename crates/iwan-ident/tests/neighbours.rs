@@ -1,4 +1,5 @@
-//! Records of several modes: the one that is looked for as it is alone, and no macro-slip in what the others leave.
+//! Records of several modes: the envelope of the wanted mode is as if it were alone, and remains of the other modes are not taken for
+//! macro-slip.
 #![allow(clippy::unwrap_used, reason = "a failed test may panic and say why")]
 
 use std::f64::consts::TAU;
@@ -12,7 +13,7 @@ use iwan_ident::{Parameter, Parameters};
 const DT: f64 = 1.0 / 4000.0;
 const SAMPLES: usize = 8000;
 
-/// A joint of a tenth of the stiffness.
+/// A joint with a tenth of the mode's stiffness.
 fn mode(frequency: f64, damping_ratio: f64) -> Parameters {
     let k_t = 0.1 * (TAU * frequency).powi(2);
     Parameters { frequency, damping_ratio, k_t, f_s: 200.0, chi: -0.2, beta: 0.3 }
@@ -32,14 +33,15 @@ fn ring_down(mode: &Parameters, ratio: f64) -> Vec<f64> {
     acceleration
 }
 
-/// A mode with another one that begins `level` times as loud.
+/// The record of a mode plus that of another mode whose initial amplitude is `level` times as large.
 fn beside(own: &[f64], frequency: f64, level: f64) -> Vec<f64> {
     let other = ring_down(&mode(frequency, 1e-3), 0.3);
     let factor = level * own[0].abs() / other[0].abs();
     own.iter().zip(&other).map(|(x, y)| x + factor * y).collect()
 }
 
-/// Root mean square of what differs from the mode alone, over that of the mode, in the first and the last 60 samples of the window.
+/// Root mean square of the difference from the mode alone, relative to that of the mode, in the first and the last 60 samples of the
+/// window.
 fn off(own: &[f64], record: &[f64]) -> [f64; 2] {
     let options = Options { near: Some(124.0), ..Options::default() };
     let found = isolate(record, DT, &options).unwrap();
@@ -51,7 +53,8 @@ fn off(own: &[f64], record: &[f64]) -> [f64; 2] {
     [error(found.window.start), error(found.window.end - 60)]
 }
 
-/// What the filter takes off is the mode's own harmonics, a thousandth. Of the mode at 134 Hz its skirt left 9 %, of that at 200 Hz 0.7 %.
+/// The filter removes only the mode's own harmonics, a thousandth. Its skirts once passed 9 % of a mode at 134 Hz and 0.7 % of a mode at
+/// 200 Hz.
 #[test]
 fn a_mode_beside_another_is_as_it_is_alone() {
     let own = ring_down(&mode(124.0, 5e-4), 0.3);
@@ -63,8 +66,8 @@ fn a_mode_beside_another_is_as_it_is_alone() {
     }
 }
 
-/// The gate sees the begin of the other mode as long as its memory, which looked like a knee just below the largest amplitude: K_T came out a third
-/// of what it is, inside an interval of 0.2 %.
+/// The windows' gate responds to the sudden begin of the other mode as long as its memory lasts. This once looked like a knee just below
+/// the largest amplitude, and K_T came out at a third of its value, with an interval of 0.2 %.
 #[test]
 fn what_other_modes_leave_is_no_macro_slip() {
     let truth = mode(124.0, 5e-4);

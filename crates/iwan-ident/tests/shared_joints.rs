@@ -1,4 +1,4 @@
-//! Modes that share joints, found in records that another memory made: the continuum, at a quarter of the step.
+//! Modes that share joints, identified from records simulated with another memory: the continuum, at a quarter of the time step.
 #![allow(clippy::unwrap_used, reason = "tests may panic")]
 
 use std::sync::atomic::AtomicBool;
@@ -15,14 +15,14 @@ use iwan_ident::curves::Quantity;
 const FREQUENCIES: [f64; 2] = [20.0, 52.0];
 const SHAPES: [f64; 2] = [1.0, -0.7];
 const DAMPING: f64 = 5e-4;
-/// K_T is a tenth of the first mode's stiffness; F_S by the paper's ratio.
+/// K_T is a tenth of the first mode's stiffness; F_S has the paper's ratio to it.
 const LAW: [f64; 4] = [1500.0, 20.0, -0.3, 0.05];
 const SLIP: f64 = -2.5;
 const DT: f64 = 1e-3;
 const STEPS: usize = 4;
 const SAMPLES: usize = 1501;
 
-/// Accelerations under a blow, of modes that share a joint (`slip` in the second) or of the first with it alone.
+/// Accelerations under a blow of two modes that share a joint (`slip` is its slip in the second mode), or of the first mode alone with it.
 fn motions(level: f64, slip: f64) -> (Vec<Vec<f64>>, Vec<f64>) {
     let pair = Pair {
         frequencies: FREQUENCIES,
@@ -47,7 +47,7 @@ fn fitted(records: &[CoupledRecord], held_out: &[CoupledRecord], seen: Seen) -> 
     fitted_from(records, held_out, seen, [[2000.0, 40.0], [9000.0, 40.0]])
 }
 
-/// From K_T and F_S of the modes by themselves.
+/// Fits from starts with the given K_T and F_S of each mode by itself.
 fn fitted_from(
     records: &[CoupledRecord],
     held_out: &[CoupledRecord],
@@ -107,8 +107,8 @@ fn a_shared_joint_is_found_and_predicts() {
     assert_eq!(best.motions.len(), 4);
 }
 
-/// What curves of one mode tell of a joint that others move as well can be off by ten in K_T and many times that in F_S. From these starts alone one shared joint was left at
-/// 24 % of the motion, and two were chosen.
+/// Curves of one mode, analysed as if only that mode moved the joint, can be off by ten in K_T and many times that in F_S. From these
+/// starts alone the fit of one shared joint once ended with 24 % of the motion unexplained, and two joints were chosen.
 #[test]
 fn a_shared_joint_is_found_from_far_away_starts() {
     let records = [60.0, 600.0, 6000.0].map(|level| forced(level, SLIP));
@@ -121,7 +121,7 @@ fn a_shared_joint_is_found_from_far_away_starts() {
     assert!((value(Unknown::FS(0)) / LAW[1] - 1.0).abs() < 0.03, "{:?}", fit.estimates);
 }
 
-/// A hammer whose sensitivity is off by 6 % in one blow, and one whose channel lags by two samples.
+/// Errors of the force: one blow with a hammer sensitivity off by 6 %, and one whose force channel lags by two samples.
 #[test]
 fn loads_that_do_not_go_with_their_motions_are_named() {
     let records = [60.0, 600.0, 6000.0].map(|level| forced(level, SLIP));
@@ -144,7 +144,7 @@ fn loads_that_do_not_go_with_their_motions_are_named() {
     assert!(of_late.contains("s) earlier, which"), "{of_late}");
 }
 
-/// A hammer with the other sign: the fit of such records is bent as a whole, so that what it leaves names any of them.
+/// A hammer signal of the wrong sign bends the fit of all records together, so that its residuals could point to any of them.
 #[test]
 fn a_load_of_another_sign_is_named_by_how_its_record_begins() {
     let mut records = [60.0, 600.0, 6000.0].map(|level| forced(level, SLIP));
@@ -162,7 +162,7 @@ fn modes_that_share_nothing_are_told_and_soft_blows_are_named() {
     let records = [60.0, 200.0].map(|level| forced(level, 0.0));
     let fit = fitted(&records, &[], Seen::Modes);
     let shared = fit.of(Sharing::Shared(1)).unwrap();
-    // The second mode is linear, whatever the model calls it.
+    // The second mode is linear, even where the model gives it a joint.
     assert!(fit.best().misfit < 0.004 && shared.values.participation[0][1].abs() < 0.2, "{shared:?}");
     assert!(
         fit.warnings.iter().any(|words| words.contains("soft blows only")),
@@ -172,7 +172,8 @@ fn modes_that_share_nothing_are_told_and_soft_blows_are_named() {
     );
 }
 
-/// The sum of both modes at a sensor, picked up behind the blow: the state there is unknown, and shapes at the sensor are.
+/// The sum of both modes at a sensor, recorded from some time after the blow: the initial state is unknown, the mode shapes at the sensor
+/// are known.
 #[test]
 fn a_free_decay_of_one_channel_tells_the_joint() {
     let free = |level: f64| {
@@ -185,7 +186,7 @@ fn a_free_decay_of_one_channel_tells_the_joint() {
     let (shared, alone) = (of(Sharing::Shared(1)), of(Sharing::Uncoupled));
     assert!(shared.misfit < 0.01 && shared.misfit < 0.5 * alone.misfit, "{:#?}", fit.in_words());
     assert!(shared.held_out_misfit.unwrap() < 0.03, "{:?}", shared.held_out);
-    // Results do not depend on what does not belong together being refused.
+    // Records that do not belong together are refused, so that results do not depend on such records.
     let forced = forced(60.0, SLIP);
     let mixed = [CoupledRecord { motions: vec![forced.motions[0].clone()], ..forced }, free(60.0)];
     let stopped = AtomicBool::new(false);

@@ -1,4 +1,4 @@
-//! Parameters from shaker tests: what comes back, what the intervals hold, ring-downs and sweeps together.
+//! Parameters from shaker tests: recovery of the truth, coverage of the intervals, and fits of ring-downs and sweeps together.
 #![allow(clippy::unwrap_used, reason = "tests may panic")]
 
 use std::f64::consts::{PI, TAU};
@@ -12,7 +12,8 @@ use iwan_ident::{Error, Grade, Parameter, Parameters};
 const TRUTH: Parameters =
     Parameters { frequency: 124.0, damping_ratio: 5e-4, k_t: 4.45e4, f_s: 239.4, chi: -0.183, beta: 0.3 };
 
-/// The two points of an amplitude on the curve of a level, below and above resonance, on a day of another frequency.
+/// The two points of one amplitude on the response curve of a force level, below and above resonance; `drift` is the
+/// relative shift of the frequency on that day.
 fn pair(a: f64, force: f64, drift: f64) -> Option<[ResponsePoint; 2]> {
     let (oscillator, joint) = TRUTH.model().unwrap();
     let square = oscillator.omega0().powi(2);
@@ -23,7 +24,7 @@ fn pair(a: f64, force: f64, drift: f64) -> Option<[ResponsePoint; 2]> {
         let mut omega = k.sqrt();
         for _ in 0..50 {
             let rest = (force / a).powi(2) - (c * omega + h).powi(2);
-            // NaN where the mode would have to be lighter than its stiffness allows: such points are left out.
+            // NaN where the equation has no solution with a real frequency; such points are left out.
             omega = (k + sign * rest.sqrt()).sqrt();
         }
         let phase = (-(c * omega + h)).atan2(k - omega * omega);
@@ -32,10 +33,10 @@ fn pair(a: f64, force: f64, drift: f64) -> Option<[ResponsePoint; 2]> {
     (force / a > c * k.sqrt() + h).then(|| [at(-1.0), at(1.0)])
 }
 
-/// Curves at these forces with relative noise.
+/// Response curves at these forces, with relative noise.
 fn swept(forces: &[f64], drift: f64, noise: f64, seed: u64) -> SteadyData {
     let mut stream = SplitMix64::new(seed);
-    // Uniform, of standard deviation 1.
+    // Uniform random numbers of standard deviation 1.
     let mut random = || 3f64.sqrt() * stream.next_symmetric();
     let mut points = Vec::new();
     for force in forces {
@@ -44,7 +45,7 @@ fn swept(forces: &[f64], drift: f64, noise: f64, seed: u64) -> SteadyData {
             for mut point in pair(a, *force, drift).into_iter().flatten() {
                 if (point.frequency / 124.0 - 1.0).abs() < 0.03 {
                     point.amplitude *= 1.0 + noise * random();
-                    // Motion and force each have a phase.
+                    // Motion and force each have a phase of their own, with noise.
                     point.phase += noise * (random() + random());
                     point.force *= 1.0 + noise * random();
                     points.push(point);
@@ -71,7 +72,7 @@ fn intervals_hold_what_they_should() {
     assert_eq!(found.verdict.grade, Grade::Matches, "{:?}", found.verdict);
     for (profile, p) in found.profiles.iter().zip(Parameter::ALL) {
         let (low, high) = (profile.low.unwrap(), profile.high.unwrap());
-        // Wider by half: an interval of 95 % may miss, and is known to.
+        // The intervals are widened by half: a 95 % interval may miss the truth now and then.
         let room = 0.5 * (high - low);
         let truth = TRUTH.get(p);
         assert!((low - room..=high + room).contains(&truth), "{} {low} {high}", p.name());
@@ -100,11 +101,11 @@ fn ring_downs_and_sweeps_of_other_days_are_fitted_together() {
         .unwrap();
     let record = ModeRecord { samples: &out[2], dt, quantity: Quantity::Acceleration };
     let alone = identify(&[record], &Settings::default()).unwrap();
-    // Two days: one two tenths of a per mille lower, one higher.
+    // Two days: the frequency of one is lower by two tenths of a per mille, that of the other higher.
     let days = [swept(&[5.0, 150.0], -2e-4, 1e-3, 4), swept(&[20.0], 3e-4, 1e-3, 5)];
     let found = fit_steady(&days, Some(&alone.likelihood), &[]).unwrap();
     assert!((found.drifts[0] + 2e-4).abs() < 3e-5 && (found.drifts[1] - 3e-4).abs() < 3e-5, "{found:?}");
-    // The record is in micro-slip: only the sweep tells the slip force.
+    // The record is in micro-slip: only the sweep determines the slip force.
     let f_s = &found.profiles[3];
     assert!((f_s.value / TRUTH.f_s - 1.0).abs() < 0.02 && f_s.identifiable(), "{f_s:?}");
 }
@@ -115,15 +116,15 @@ fn what_cannot_be_used_is_named() {
     assert!(matches!(refused(&[]), Error::OutOfRange { name: "measurements", .. }));
     let SteadyData::Response(mut points) = swept(&[20.0], 0.0, 0.0, 6) else { panic!() };
     assert!(matches!(refused(&[SteadyData::Response(points[..4].to_vec())]), Error::TooShort { .. }));
-    // The sign of the phase: nothing would take energy.
+    // A phase of the wrong sign: the structure would take up no energy.
     let wrong = points.iter().map(|p| ResponsePoint { phase: -p.phase, ..*p }).collect();
     assert!(refused(&[SteadyData::Response(wrong)]).to_string().contains("sign of the phase"));
     points[3].amplitude = f64::NAN;
     assert!(matches!(refused(&[SteadyData::Response(points)]), Error::OutOfRange { name: "amplitude", .. }));
 }
 
-/// Knees a little below the largest amplitude, which few points go beyond: between the knees that were tried lay the only ones that tell the curves, and a joint that sticks was found, with
-/// intervals that excluded the truth.
+/// Knees (values of φ_max) a little below the largest amplitude, which only few points exceed. The only knees that fit the curves once lay
+/// between those that were tried, and the search found a joint that sticks, with intervals that excluded the truth.
 #[test]
 fn a_knee_next_to_the_largest_amplitude_is_found() {
     for force in [92.0, 96.0, 100.0, 105.0, 110.0, 120.0] {

@@ -1,4 +1,4 @@
-//! Noise-free ring-downs through macro-slip: the parameters come back.
+//! Noise-free ring-downs through macro-slip: the fit recovers the parameters.
 //!
 //! The records come from references that share nothing with the fit's forward model (the half-cycle map): the
 //! event-driven solution of a population of 20,000 sliders, and time steps of the continuum.
@@ -49,7 +49,7 @@ fn by_events(mode: &Parameters, ratio: f64, dt: f64, samples: usize) -> Vec<f64>
     out.0[2].clone()
 }
 
-/// The same by time steps of the continuum, a fraction of `dt` each.
+/// The same acceleration by time steps of the continuum, each `dt` over `fraction`.
 fn by_steps(mode: &Parameters, ratio: f64, dt: f64, samples: usize, fraction: usize) -> Vec<f64> {
     let (oscillator, joint) = mode.model().unwrap();
     let law = Continuum::new(&joint);
@@ -61,7 +61,7 @@ fn by_steps(mode: &Parameters, ratio: f64, dt: f64, samples: usize, fraction: us
     out.0[2].iter().copied().step_by(fraction).collect()
 }
 
-/// Relative errors against the truth: K_T, F_S, χ, β within 1 %, frequency 1e-5, ζ_v 1 %.
+/// Asserts the relative errors against the truth: K_T, F_S, χ, β within 1 %, the frequency within 1e-5, ζ_v within 1 %.
 fn assert_found(name: &str, found: &Parameters, truth: &Parameters) {
     for p in Parameter::ALL {
         let (found, truth) = (found.get(p), truth.get(p));

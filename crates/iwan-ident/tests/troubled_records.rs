@@ -19,7 +19,7 @@ fn record(f: impl Fn(f64) -> f64) -> Vec<f64> {
     (0..8192).map(|n| f(f64::from(n) * DT)).collect()
 }
 
-/// Deterministic, zero mean, standard deviation 1: sums of twelve uniform numbers from a linear congruence.
+/// Deterministic noise of zero mean and standard deviation 1: sums of twelve uniform numbers from a linear congruential generator.
 fn noise(seed: u64) -> impl FnMut() -> f64 {
     let mut state = seed;
     move || {
@@ -35,7 +35,7 @@ fn found(x: &[f64]) -> Envelope {
     envelope(x, DT, Method::Hilbert, &Options::default()).unwrap()
 }
 
-/// Damping within `part` of the truth over the inner 90 % of the trusted window, frequency within 0.01 Hz.
+/// Asserts that the damping is within `part` of the truth over the inner 90 % of the trusted window, and the frequency within 0.01 Hz.
 fn assert_true(envelope: &Envelope, part: f64) {
     let (a, b) = envelope.trusted;
     for i in 0..=20 {
@@ -71,7 +71,7 @@ fn offset_and_drift_do_not_matter() {
 
 #[test]
 fn a_pulse_at_the_start_is_left_out_of_the_window() {
-    // A half sine of 10 ms, ten times as high, and two other modes.
+    // A half-sine of 10 ms, ten times as high as the mode, and two other modes.
     let x = record(|t| {
         let pulse = if t < 0.01 { 10.0 * (TAU * 50.0 * t).sin() } else { 0.0 };
         let others = (-8.0 * t).exp() * (TAU * 297.0 * t).cos() + (-20.0 * t).exp() * (TAU * 845.0 * t).cos();
@@ -85,7 +85,7 @@ fn a_pulse_at_the_start_is_left_out_of_the_window() {
 #[test]
 fn clipping_moves_the_window_and_says_so() {
     let envelope = found(&record(|t| decay(t).clamp(-0.6, 0.6)));
-    // Below 0.6 from 0.51 s on.
+    // The record is below the clipping level of 0.6 from 0.51 s on.
     assert!(envelope.trusted.0 > 0.5 && envelope.trusted.0 < 0.6, "{:?}", envelope.trusted);
     assert!(envelope.notes.iter().any(|n| n.contains("clipped up to")), "{:?}", envelope.notes);
     assert_true(&envelope, 0.01);
@@ -111,7 +111,7 @@ fn a_truncated_record_is_cut_where_it_stops() {
 #[test]
 fn a_second_mode_in_the_band_is_taken_out_or_refused_by_name() {
     let beside = |t: f64| 0.5 * (-ZETA * OMEGA * t).exp() * (1.05 * OMEGA * t).cos();
-    // Four hertz away it is known well enough from a band of its own, …
+    // A mode four hertz away can be identified well enough in a band of its own and subtracted, …
     let envelope_found = found(&record(|t| decay(t) + beside(t)));
     assert!(
         envelope_found
@@ -122,10 +122,11 @@ fn a_second_mode_in_the_band_is_taken_out_or_refused_by_name() {
         envelope_found.notes
     );
     assert_true(&envelope_found, 0.12);
-    // … and so is a line that does not decay, such as mains hum.
+    // … and so can a line that does not decay, such as mains hum.
     let line = |part: f64| record(|t| decay(t) + part * (1.25 * OMEGA * t).cos());
     assert_true(&found(&line(0.3)), 0.12);
-    // Without a filter nothing is taken out: refused by name, and told where it is weak.
+    // Without a filter nothing is subtracted: the record is refused with the name of the second mode, and the message says where that mode
+    // is weak.
     let options = Options { filter_order: 0, ..Options::default() };
     let unfiltered =
         |part: f64| envelope(&record(|t| decay(t) + part * beside(t)), DT, Method::Hilbert, &options);
@@ -136,7 +137,8 @@ fn a_second_mode_in_the_band_is_taken_out_or_refused_by_name() {
     assert!(notes.iter().any(|n| named(n)), "{notes:?}");
 }
 
-/// A bell of two modes that beat two times and a half in the record, which no spectrum resolves and curves of twelve degrees follow.
+/// A bell with two modes that beat two and a half times in the record: no spectrum resolves them, and smooth curves of degree twelve follow
+/// the beat.
 #[test]
 fn two_modes_that_beat_a_few_times_are_named() {
     let beside =
@@ -155,7 +157,8 @@ fn two_modes_that_beat_a_few_times_are_named() {
     assert!(!notes.iter().any(|n| n.contains("components")), "{notes:?}");
 }
 
-/// Two modes of a glass, 1 % apart: the band of either reached twenty-five times as far to the other side, and its filter let both through.
+/// Two modes of a glass, 1 % apart: the band of either mode once reached twenty-five times as far to the other side, and its filter let
+/// both modes through.
 #[test]
 fn modes_one_per_cent_apart_are_separated() {
     let (dt, rate) = (1.0 / 8820.0, 2.7);
@@ -178,7 +181,7 @@ fn modes_one_per_cent_apart_are_separated() {
 
 #[test]
 fn a_rate_too_low_is_refused_where_it_is() {
-    // Five samples a cycle: no peaks, but the analytic signal does not mind.
+    // With five samples a cycle peaks cannot be found, but the analytic signal can be used.
     let x: Vec<f64> = (0..800).map(|n| decay(f64::from(n) / 400.0)).collect();
     let run = |method| envelope(&x, 1.0 / 400.0, method, &Options::default());
     assert_true(&run(Method::Hilbert).unwrap(), 0.01);
@@ -212,14 +215,14 @@ fn silence_noise_and_steady_vibration_are_refused() {
     assert!(refused(&vec![0.0; 4096]).contains("no spectral peak"));
     let steady = record(|t| (OMEGA * t).sin() * (1.0 + 0.01 * t));
     assert!(refused(&steady).contains("does not decay"), "{}", refused(&steady));
-    // A tone that falls by half a per cent.
+    // A tone that falls by half a per cent over the record.
     let driven = found(&record(|t| (OMEGA * t).sin() * (1.0 - 0.0025 * t)));
     assert!(
         driven.notes.iter().any(|n| n.contains("falls by 0.") && n.contains("driven")),
         "{:?}",
         driven.notes
     );
-    // Eleven cycles, of which the filter takes nine.
+    // A record of eleven cycles, nine of which the filter spoils.
     let few: Vec<f64> = (0..563).map(|n| decay(f64::from(n) * DT)).collect();
     assert!(refused(&few).contains("cycles of the mode behind its largest amplitude"), "{}", refused(&few));
     let mut random = noise(3);
@@ -231,7 +234,8 @@ fn silence_noise_and_steady_vibration_are_refused() {
     assert!(refused(&x).contains("record[100]"));
 }
 
-/// A mode of 80 Hz and 1 % damping under white noise, as under traffic or wind: no part of it is a free decay. "Record longer" and "name the mode" were the remedies.
+/// A mode of 80 Hz and 1 % damping under white noise, as under traffic or wind: no part of the record is a free decay. The remedies in the
+/// message were once "record longer" and "name the mode".
 #[test]
 fn vibration_under_random_forces_is_named() {
     let (rate, turn) = (-0.01 * OMEGA * DT, OMEGA * DT);
@@ -256,8 +260,9 @@ fn a_short_record_is_refused_with_the_number_of_cycles() {
     assert!(error.contains("cycles") || error.contains("nothing of the record is left"), "{error}");
 }
 
-/// A cutting tool struck at its tip: 1077 Hz that are gone after 20 ms of a second, and a spindle that turns. The window of a spectrum of the whole record sees nothing
-/// of such a decay, so that noise or the spindle's line was taken for the mode.
+/// A cutting tool struck at its tip: a mode of 1077 Hz that has decayed after 20 ms of a record of one second, beside the line of a turning
+/// spindle. A spectrum over the whole record shows nothing of such a decay, so that noise or the spindle's line was once taken for the
+/// mode.
 #[test]
 fn a_decay_at_the_begin_of_a_long_record_is_found() {
     let (dt, damping) = (1.0 / 51_200.0, 0.03);
@@ -277,7 +282,7 @@ fn a_decay_at_the_begin_of_a_long_record_is_found() {
             assert!((at.damping_ratio / damping - 1.0).abs() < 0.1, "{at:?}");
         }
     }
-    // Behind a short burst a quiet mode goes on for the whole record: it is the one that is looked at, as before.
+    // After a short burst, a mode of small amplitude goes on for the whole record: it is the mode to be analysed, as before.
     let mut noise = noise(4);
     let burst = |t: f64| (-damping * omega * t).exp() * (omega * t).sin();
     let quiet = |t: f64| 0.005 * (-t).exp() * (TAU * 200.0 * t).sin();
@@ -292,11 +297,12 @@ fn a_decay_at_the_begin_of_a_long_record_is_found() {
     );
 }
 
-/// Hum that is louder than the end of a decay is higher than the mode in the spectrum of the whole record. The mode goes on below it, and the record is not cut where the sum of both is steady.
+/// Hum that exceeds the end of a decay has a higher peak than the mode in the spectrum of the whole record. The decay goes on below the
+/// hum, and the record must not be cut where the sum of both is steady.
 #[test]
 fn hum_that_is_louder_than_the_end_of_a_decay_does_not_end_it() {
     let (dt, f) = (1.0 / 2048.0, 6.9);
-    // A decay that fills most of the record, and one that is over in a part of it.
+    // One decay fills most of the record, another ends in a part of it.
     for (damping, until) in [(0.006, 14.0), (0.02, 6.0)] {
         let mut noise = noise(5);
         let at = |t: f64| {
@@ -316,7 +322,8 @@ fn hum_that_is_louder_than_the_end_of_a_decay_does_not_end_it() {
     }
 }
 
-/// The mode that is highest in the spectrum of the whole record is taken; another one that is higher behind the blow is named, also where the one taken cannot be followed.
+/// The mode with the highest peak in the spectrum of the whole record is taken. Another mode that is higher just after the blow is named,
+/// also where the first cannot be followed.
 #[test]
 fn a_mode_that_is_higher_behind_the_blow_is_named() {
     let wave = |t: f64, a: f64, rate: f64, f: f64| a * (-rate * t).exp() * (TAU * f * t).cos();
@@ -329,7 +336,7 @@ fn a_mode_that_is_higher_behind_the_blow_is_named() {
         one.notes.iter().any(|n| n.contains("--mode"))
     };
     assert!(!named(&Options { near: Some(80.0), ..Options::default() }));
-    // Of the mode at 12 Hz there are too few cycles.
+    // The mode at 12 Hz has too few cycles in the record.
     let slow = |t: f64| wave(t, 1.0, 6.0, 301.0) + wave(t, 0.12, 0.4, 12.0);
     let refused =
         envelope(&record(slow)[..4000], DT, Method::Hilbert, &Options::default()).unwrap_err().to_string();

@@ -1,14 +1,14 @@
-//! Unknowns of any model: minima, intervals and what is told, against the closed forms of a straight line through noise.
+//! Fits of any model (minima, intervals, and what the data determine) against the closed forms of a straight line through noise.
 #![allow(clippy::unwrap_used, reason = "a failed test may panic")]
 
 use iwan_ident::Error;
 use iwan_ident::estimate::{About, Found, Model, Told, intervals, least, near, silent};
 
-/// y = a + b t + 0 c at t = 0, 1, …, in units of the noise.
+/// The model y = a + b t + 0 c at t = 0, 1, …, in units of the noise.
 struct Line {
     measured: Vec<f64>,
     bounds: [(f64, f64); 3],
-    /// Whether it has values and derivatives at all.
+    /// Whether the model returns values and derivatives; if not, every evaluation fails.
     known: bool,
 }
 
@@ -47,7 +47,7 @@ impl Model for Line {
     }
 }
 
-/// Intercept, slope and their covariance by the sums of a regression.
+/// Intercept and slope of a linear regression, with their covariance.
 fn regression(line: &Line) -> ([f64; 2], [[f64; 2]; 2]) {
     let n = line.count() as f64;
     let t = |i: usize| i as f64;
@@ -86,9 +86,9 @@ fn the_least_sum_of_squares_of_a_line_is_its_regression() {
     assert_eq!(near(&none, &[0.0; 3], &[0, 1], (5, 1e-3)), None);
 }
 
-/// Profiles of a line are parabolas: 95 % intervals are Student's quantile of 18 degrees of freedom times the standard deviation, and open
-/// where a bound comes first or nothing is told. Ends stood by a twentieth of a walk's last step beside the limit: intervals were up to
-/// five per cent too narrow.
+/// The profiles of a line are parabolas. Their 95 % intervals are Student's quantile of 18 degrees of freedom times the standard deviation,
+/// and open where a bound comes first or the data determine nothing. The ends were once off by a twentieth of the last step of their
+/// search, which made intervals up to five per cent too narrow.
 #[test]
 fn intervals_of_a_line_are_students() {
     const QUANTILE: f64 = 2.100_922_040;
@@ -109,13 +109,14 @@ fn intervals_of_a_line_are_students() {
     assert!(ends.low.is_none() && ends.high.is_some(), "{ends:?}");
     let silent = intervals(&line, About { settled: true, ..about }, &[2], 1).unwrap()[0];
     assert!(silent.low.is_none() && silent.high.is_none(), "{silent:?}");
-    // A minimum that is none is left for the better one that a walk meets.
+    // A reported minimum that is none is left for the better point that the search for an interval meets.
     let poor = Found { x: vec![best[0] + 3.0, best[1], 0.3], cost: found.cost + 180.0, converged: true };
     let better = intervals(&line, About { found: &poor, ..about }, &[1], 1).unwrap_err();
     assert!(better.cost < poor.cost - 1.0, "{better:?}");
 }
 
-/// The curvature of the sum of squares is the covariance of the regression, with what is plausible (3.5) beside it.
+/// The covariance of the parameters from the curvature of the sum of squares is that of the regression, with the plausible deviation
+/// (3.5) of the third parameter beside it.
 #[test]
 fn deviations_of_a_line_are_those_of_its_regression() {
     let line = Line::new();
@@ -129,18 +130,19 @@ fn deviations_of_a_line_are_those_of_its_regression() {
     let t = 30.0;
     let expected = (covariance[0][0] + 2.0 * t * covariance[0][1] + t * t * covariance[1][1]).sqrt();
     assert!((told.deviation(&[1.0, t, 0.0]) / expected - 1.0).abs() < 0.01);
-    // Once it is measured as well as the others: the regression of twenty-one values, by the update of its inverse.
+    // A point measured as well as the others is added: the regression of twenty-one values follows by an update of the inverse.
     let after = told.deviations_with(&[vec![1.0, t, 0.0]]);
     let gain = covariance[0][1] + t * covariance[1][1];
     let slope = (covariance[1][1] - gain * gain / (1.0 + expected * expected)).sqrt();
     assert!((after[1] / slope - 1.0).abs() < 0.01, "{after:?} {slope}");
-    // The best told combination has the smaller deviation, and the product of both is the root of the determinant.
+    // The combination of parameters that is determined best has the smaller deviation; the product of both deviations is the root of the
+    // determinant.
     let both: Vec<f64> = told.combinations().iter().map(|c| c.deviation).collect();
     let det = covariance[0][0] * covariance[1][1] - covariance[0][1] * covariance[1][0];
     assert!(both[0] < both[1] && (both[0] * both[1] / det.sqrt() - 1.0).abs() < 1e-9, "{both:?}");
     let length: f64 = told.combinations()[0].direction.iter().map(|d| d * d).sum();
     assert!((length - 1.0).abs() < 1e-12);
-    // What nothing tells is as uncertain as it is plausible, and is known as silent.
+    // The parameter that the data do not determine keeps its plausible uncertainty, and is recognised as undetermined.
     let all = Told::about(&line, &found, &[0, 1, 2], 1.0).unwrap();
     assert!((all.deviations()[2] - 3.5).abs() < 1e-12);
     assert!(all.combinations()[2].deviation.is_infinite());

@@ -1,4 +1,5 @@
-//! Laws named on simulated records of each, with intervals that hold; the records are made by time steps, not by averaging.
+//! Comparison of laws on simulated records of each law, with intervals that hold the truth; the records are made by time steps, not by
+//! averaging.
 #![allow(clippy::unwrap_used, reason = "a failed test may panic and say why")]
 
 use std::f64::consts::TAU;
@@ -9,8 +10,8 @@ use iwan_ident::curves::Quantity;
 use iwan_ident::identify::{ModeRecord, Settings, compare_laws, identify};
 use iwan_ident::laws::{CANDIDATES, Comparison};
 
-/// Difference of the criterion up to which another law than the true one may be named in noise: below 6 evidence is not "strong" (Kass and
-/// Raftery 1995).
+/// Difference of the criterion up to which the test allows another law than the true one to be named in noise: below 6 the evidence is not
+/// "strong" (Kass and Raftery 1995).
 const NEAR: f64 = 6.0;
 
 fn compared(samples: &[f64], dt: f64) -> Comparison {
@@ -18,14 +19,14 @@ fn compared(samples: &[f64], dt: f64) -> Comparison {
     compare_laws(&[record], &Settings::default()).unwrap()
 }
 
-/// The laws of the list are those that are simulated.
+/// The laws in the list of candidates are those for which records are simulated.
 #[test]
 fn every_law_is_simulated() {
     let names: Vec<&str> = CANDIDATES.iter().map(|c| c.name).collect();
     assert_eq!(names, LAWS);
 }
 
-/// Two records of every law, at 40 and 30 dB: `examples/laws.rs` makes a hundred.
+/// Two records of every law, at 40 and 30 dB; `examples/laws.rs` makes a hundred.
 #[test]
 fn the_law_is_named_and_its_parameters_are_held() {
     let (mut closed, mut held, mut wrong) = (0, 0, vec![]);
@@ -37,7 +38,7 @@ fn the_law_is_named_and_its_parameters_are_held() {
             if found.chosen().law.name != law && own.criterion > NEAR {
                 wrong.push((law, seed, found.chosen().law.name, own.criterion));
             }
-            // What is named describes the record; the true law is never said not to.
+            // The named law describes the record, and the true law is never rejected.
             assert!(found.chosen().grade != Grade::No && own.grade != Grade::No, "{law} {seed}");
             for p in &own.parameters {
                 let (Some(low), Some(high)) = (p.low, p.high) else { continue };
@@ -47,14 +48,13 @@ fn the_law_is_named_and_its_parameters_are_held() {
             }
         }
     }
-    // Of 32 records: at 30 dB separate powers and an Iwan joint tell some of each other's as well.
+    // Of 32 records: at 30 dB, separate powers and an Iwan joint can each describe some of the other's records.
     assert!(wrong.len() <= 2, "{wrong:?}");
     assert!(closed > 60 && 100 * held >= 90 * closed, "{held} of {closed}");
 }
 
-/// What has more parts is no less likely than what has fewer, but for their price. A search for the joint alone, or for the joint beside another part, that ended in a worse valley put the joint 50 behind
-/// a joint with quadratic damping on the joint's own record (9), and that 88 behind the joint alone (1).
-/// The frequency of dry friction behind a spring, and of a cubic spring, changes at a knee: two linear modes tell that better than smooth curves do, but it does not go back.
+/// The frequency of dry friction behind a spring, and of a cubic spring, changes at a knee: two linear modes describe that better than smooth
+/// curves do, but it does not go back.
 #[test]
 fn one_mode_with_a_knee_is_not_taken_for_two() {
     for (law, seeds) in [("jenkins", [1, 9, 24]), ("duffing-quadratic", [8, 24, 36])] {
@@ -66,9 +66,12 @@ fn one_mode_with_a_knee_is_not_taken_for_two() {
     }
 }
 
+/// A law with more parts has at least the likelihood of one with fewer of these, apart from the price of its parameters. A search for the
+/// joint alone, or for the joint beside another part, once ended in a worse valley (a local minimum of the sum of squares). This put the
+/// joint 50 behind a joint with quadratic damping on the joint's own record (9), and the latter 88 behind the joint alone (1).
 #[test]
 fn searches_for_a_joint_end_in_the_same_valley_with_and_without_another_part() {
-    // Prices of one part reach from 4 to 21 in the first fifteen records.
+    // Prices of one part range from 4 to 21 in the first fifteen records.
     const PRICE: f64 = 25.0;
     for seed in [1, 9] {
         let clean = ring_down("iwan", seed);
@@ -81,7 +84,7 @@ fn searches_for_a_joint_end_in_the_same_valley_with_and_without_another_part() {
     }
 }
 
-/// A linear mode whose frequency rises by 3e-4 a second "matched" a joint of χ = -0.98.
+/// A linear mode whose frequency rises by 3e-4 a second once "matched" a joint with χ = -0.98.
 #[test]
 fn a_frequency_that_drifts_with_time_is_no_joint() {
     let (dt, omega, damping_ratio, rate) = (2e-4, TAU * 124.0, 2e-3, 3e-4);
@@ -95,7 +98,7 @@ fn a_frequency_that_drifts_with_time_is_no_joint() {
     assert!(found.profiles.parameters.iter().all(|p| p.low.is_none() && p.high.is_none()));
 }
 
-/// A cubic spring "matched" a tone without decay, of which noise alone is told.
+/// A cubic spring once "matched" a tone without decay, in which only noise varies.
 #[test]
 fn no_law_is_named_for_a_tone_that_does_not_decay() {
     let mut random = iwan_core::SplitMix64::new(3);
@@ -106,8 +109,8 @@ fn no_law_is_named_for_a_tone_that_does_not_decay() {
     assert!(refused.contains("the amplitude changes by 0.") && refused.contains("driven"), "{refused}");
 }
 
-/// A joint that something else damps or stiffens beside it: fits of the joint alone were usable, with closed intervals of frequency, damping ratio and χ that missed
-/// under quadratic damping and under a cubic spring.
+/// A joint beside a further damper or spring. Fits of the joint alone were once called usable, with closed intervals of frequency, damping
+/// ratio and χ that missed the truth under quadratic damping and under a cubic spring.
 #[test]
 fn a_joint_with_something_beside_it_closes_no_wrong_interval() {
     for (law, seed) in [("iwan-quadratic", 0), ("iwan-coulomb", 1), ("iwan-duffing", 2)] {
@@ -138,8 +141,8 @@ fn a_joint_with_something_beside_it_closes_no_wrong_interval() {
     }
 }
 
-/// A frequency that falls with the logarithm of the amplitude drives the exponent of a softening spring to where the search ends. Intervals of it and of the frequency at rest were closed
-/// there, the latter far above all that was seen.
+/// A frequency that falls with the logarithm of the amplitude drives the exponent of a softening spring to the end of its search range.
+/// Intervals of the exponent and of the frequency at rest were once closed there, the latter far above all frequencies in the record.
 #[test]
 fn what_hangs_on_an_exponent_at_its_limit_has_no_interval() {
     let (dt, rate, rise) = (1e-3, 1.5, 0.6);
@@ -158,7 +161,7 @@ fn what_hangs_on_an_exponent_at_its_limit_has_no_interval() {
     assert!(of("damping_n").high.is_some(), "{law:?}");
 }
 
-/// A pendulum's law is nobody else's: neither linear nor an Iwan joint may match.
+/// No other law may match a pendulum's record: neither the linear law nor an Iwan joint.
 #[test]
 fn a_wrong_law_does_not_match() {
     let clean = ring_down("duffing-coulomb-quadratic", 2);
@@ -174,7 +177,7 @@ fn a_wrong_law_does_not_match() {
     }
 }
 
-/// The bands hold the curves of the truth at 90 of 100 amplitudes and more.
+/// The bands hold the true curves at 90 of 100 amplitudes or more.
 #[test]
 fn the_bands_hold_the_curves() {
     let (mut all, mut held) = (0, 0);
@@ -197,8 +200,8 @@ fn the_bands_hold_the_curves() {
     assert!(100 * held >= 85 * all, "{held} of {all}");
 }
 
-/// Hits of a specimen whose damping strays by 3 % and whose frequency by 0.3 % from hit to hit: both are found, the mean's parameters are held by the
-/// intervals, and the curves of a further hit lie in the bands.
+/// Hits of a specimen whose damping scatters by 3 % and whose frequency by 0.3 % from hit to hit: both scatters are found, the intervals
+/// hold the parameters of the mean, and the curves of a further hit lie in the bands.
 #[test]
 fn hits_that_do_not_repeat_are_known_to_stray() {
     use iwan_core::SplitMix64;
@@ -237,6 +240,6 @@ fn hits_that_do_not_repeat_are_known_to_stray() {
             }
         }
     }
-    // Three groups of hits: in each the bands have the luck of its six draws.
+    // Three groups of hits: the bands of each group depend on the luck of its six draws.
     assert!(100 * inside >= 85 * all, "{inside} of {all}");
 }

@@ -1,4 +1,4 @@
-//! From a structure to a scenario of coupled modes: stuck modes, and the joints that they share.
+//! From a structure to a scenario of coupled modes: its stuck modes, and the joints that they share.
 
 use iwan_core::{Backbone, Pulse, Representation};
 use iwan_fem::{NamedMode, NamedModes, SlipGroup, SlipStatics};
@@ -9,40 +9,40 @@ use crate::scenario::{Force, Scenario, ScenarioJoint, ScenarioMode};
 use crate::structure::StructureFile;
 use crate::written_law::WrittenLaw;
 
-/// Samples in a cycle of the fastest mode, cycles of the slowest in the response, and length of the blow over the
-/// slowest period: those of the paper's own figures, about.
+/// Samples in a cycle of the fastest mode, number of cycles of the slowest mode in the response, and length of the blow over the slowest
+/// period: about those of the paper's own figures.
 const SAMPLES: f64 = 100.0;
 const CYCLES: f64 = 25.0;
 const BLOW: f64 = 0.2;
-/// Share of macro-slip to which the blow brings the first mode, about.
+/// Share of macro-slip to which the blow brings the first mode, approximately.
 const REACH: f64 = 0.3;
 
-/// A scenario of coupled modes, and what the user should know of it.
+/// A scenario of coupled modes, and remarks on it for the user.
 #[derive(Debug, Clone)]
 pub struct CoupledScenario {
     /// The scenario.
     pub scenario: Scenario,
-    /// In words: joints that stay stuck, modes that were added.
+    /// Remarks in words: joints that stay stuck, modes that were added.
     pub notes: Vec<String>,
 }
 
-/// Joints that move alike, and the law of each.
+/// Slips that move alike, and the law of each.
 struct Group {
     slips: SlipGroup,
     law: WrittenLaw,
 }
 
 impl StructureFile {
-    /// The coupled modal model of these modes: b from the stuck modes, ρ from statics, joints of the same law that move
-    /// alike joined. Where so few modes give a model that cannot be stepped, the next ones join them.
+    /// The coupled modal model of these modes. The participations b come from the stuck modes, the residual compliance ρ from statics; slips with the same law that move
+    /// alike become one joint. Where these modes are too few for a model that can be stepped, the next modes are added.
     ///
     /// The scenario is stepped as a structure is, by average acceleration without prewarping, so that both responses can
-    /// be laid over each other at the same time step. Its force is a blow on the loads of the file, so hard that the
-    /// first mode comes near macro-slip.
+    /// be compared at the same time step. Its force is a blow on the loads of the file, hard enough to bring
+    /// the first mode near macro-slip.
     ///
     /// # Errors
-    /// [`InputError`] where no joint slips in these modes, where laws are not known as written, and where no number of
-    /// modes gives a model that can be stepped.
+    /// [`InputError`] where no joint slips in these modes, where a law is not one of the file, and where no number of modes gives a model
+    /// that can be stepped.
     ///
     /// ```
     /// use iwan_fem::NamedModes;
@@ -79,7 +79,7 @@ impl StructureFile {
         }
     }
 
-    /// Slips that matter, joined where they move alike; and the names of those that stay stuck.
+    /// Groups of slips that these modes move, joined where they move alike; and the names of the slips that stay stuck.
     fn grouped(
         &self,
         named: &NamedModes,
@@ -159,7 +159,7 @@ impl StructureFile {
         })
     }
 
-    /// A blow that brings the first mode that it meets near macro-slip.
+    /// A blow that brings the first mode on which it acts near macro-slip; none where it acts on none.
     fn blow(&self, modes: &[ScenarioMode], joints: &[ScenarioJoint]) -> Force {
         let none = Force::Formula("none", Pulse::None);
         if self.loads.is_empty() {
@@ -169,7 +169,7 @@ impl StructureFile {
             let reach = |j: &ScenarioJoint| j.joint.law.strengths().1 / j.joint.participation[r].abs();
             let onset = joints.iter().map(reach).fold(f64::INFINITY, f64::min);
             let (shape, f) = (mode.mode.shape_at_force.abs(), mode.mode.frequency);
-            // The impulse of a haversine, half its amplitude times its duration, moves a mode by φ I/ω.
+            // The impulse I of a haversine is half its amplitude times its duration, and moves a mode by φ I/ω.
             let amplitude = 2.0 * REACH * onset * std::f64::consts::TAU * f / (shape * BLOW / f);
             (amplitude > 0.0 && amplitude.is_finite())
                 .then(|| (rounded(amplitude, false), rounded(BLOW / f, true)))
@@ -183,7 +183,7 @@ impl StructureFile {
     }
 }
 
-/// Group `g` of joints as one: m times the law, the mean of the slips, ρ of the mean slip under a force that all share.
+/// Group `g` of slips as one joint: m times the law, the mean of the slips, and ρ of the mean slip under a force that all share equally.
 fn joint(
     named: &NamedModes,
     of_groups: &SlipStatics,
@@ -203,11 +203,11 @@ fn joint(
     Ok(ScenarioJoint { joint, law })
 }
 
-/// A number of one digit, 1, 2 or 5 times a power of ten, next below or above.
+/// The next value below or above of the form 1, 2 or 5 times a power of ten.
 fn rounded(value: f64, up: bool) -> f64 {
     let power = value.log10().floor() as i32;
     let steps = [1.0, 2.0, 5.0, 10.0].map(|m| {
-        // Of what is written down the nearest number.
+        // Parsing the decimal text gives the f64 nearest to the value as it is written out.
         format!("{m}e{power}").parse::<f64>().unwrap_or(m * 10.0_f64.powi(power))
     });
     let fits = |x: &&f64| if up { **x >= value } else { **x <= value };
@@ -215,7 +215,7 @@ fn rounded(value: f64, up: bool) -> f64 {
     found.copied().unwrap_or(value)
 }
 
-/// Whether more modes in place of compliance would help.
+/// Whether the error is about compliance, so that more modes, which replace compliance, would help.
 fn is_of_compliance(error: &SimulationError) -> bool {
     let inner = match error {
         SimulationError::Joint { source, .. } => source,

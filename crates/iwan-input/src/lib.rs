@@ -1,11 +1,11 @@
-//! Input files of the project's own (TOML): what the command line and the Python package both read.
+//! Input files in the project's own format (TOML), read by the command line and the Python package alike.
 //!
-//! [`InputText`] is a text with its name, [`Section`] a table of it read key by key: every message names file, line, key,
-//! value, allowed range and remedy, and for unknown keys the nearest known one. [`WrittenLaw`] is a joint law as written,
-//! [`StructureFile`] a structure: mesh, materials, joints, supports, loads, outputs; [`scenario`] holds what is
-//! simulated on modes or on a structure. No other crate reads TOML by itself.
+//! [`InputText`] is a text with its name; [`Section`] is a table of the text, read key by key: every message names file, line, key,
+//! value, allowed range and remedy, and for unknown keys the nearest known one. [`WrittenLaw`] is a joint law as written;
+//! [`StructureFile`] is a structure: mesh, materials, joints, supports, loads, outputs; [`scenario`] describes
+//! simulations on modes or on a structure. No other crate reads TOML by itself.
 
-// What everything stands on: the text with its name, and what is wrong with it.
+// The basis: the text with its name, and the errors about it.
 mod error;
 mod text;
 

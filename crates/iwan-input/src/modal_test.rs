@@ -1,4 +1,5 @@
-//! The table of a modal test: which channel of which file measures what, at which point, in which direction; where the points are, and lines between them.
+//! The table of a modal test: which channel of which file measures what, at which point and in which direction; positions of the points,
+//! and lines between them.
 
 use std::path::Path;
 
@@ -6,12 +7,12 @@ use crate::error::InputError;
 use crate::section::Section;
 use crate::text::InputText;
 
-/// What a channel is.
+/// Role of a channel in the test.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Role {
-    /// The hammer.
+    /// The hammer's force.
     Force,
-    /// A sensor.
+    /// The response of a sensor.
     Response,
     /// Not used.
     None,
@@ -20,55 +21,55 @@ pub enum Role {
 /// One entry `[[channel]]`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ChannelEntry {
-    /// Name of the channel as the file has it.
+    /// Name of the channel as the file writes it.
     pub name: String,
-    /// File name; none: in all files.
+    /// Name of the file; none: the entry holds for all files.
     pub file: Option<String>,
     /// Name or number of the point.
     pub point: String,
     /// Direction such as `+z`.
     pub direction: String,
-    /// What it is.
+    /// Role of the channel.
     pub role: Role,
-    /// Factor on the samples, such as a calibration or a change of unit.
+    /// Factor by which the samples are multiplied, such as a calibration or a change of unit.
     pub scale: f64,
 }
 
 /// One entry `[[point]]`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PointEntry {
-    /// Name or number.
+    /// Name or number of the point.
     pub name: String,
-    /// x, y, z.
+    /// Coordinates x, y, z.
     pub position: [f64; 3],
 }
 
-/// The table.
+/// The table of channels and points.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct ModalTable {
     /// Channels.
     pub channels: Vec<ChannelEntry>,
     /// Points with positions.
     pub points: Vec<PointEntry>,
-    /// Lines of a drawing, from point to point.
+    /// Lines of a drawing, each from point to point by their names.
     pub lines: Vec<Vec<String>>,
 }
 
-/// What helps where a file is no table of points at all.
+/// The remedy in messages where a file is no table of points at all.
 const REMEDY: &str = "give a table in TOML with [[channel]] (name, point, direction, role) and [[point]] (name, position), or a universal file with points \
      (dataset 15 or 2411)";
 
 impl ModalTable {
-    /// Reads a file that is a table.
+    /// Reads a file that holds a table.
     ///
     /// # Errors
-    /// [`InputError`] for what cannot be read or is no text, else as [`parse`](Self::parse).
+    /// [`InputError`] for a file that cannot be read or is no text; else as [`parse`](Self::parse).
     pub fn read(path: &Path) -> Result<Self, InputError> {
         let source = InputText::read(path, "table of points", "paper-modal");
         Self::parse(&source.map_err(|e| InputError::new(e.message, REMEDY))?)
     }
 
-    /// Reads a table.
+    /// Reads a table from its text.
     ///
     /// ```
     /// use iwan_input::{InputText, ModalTable, Role};
@@ -134,7 +135,7 @@ impl ModalTable {
         Ok(table)
     }
 
-    /// The entry of a channel in a file; an entry that names the file goes before one for all files.
+    /// The entry for a channel of a file; an entry that names the file takes precedence over one for all files.
     #[must_use]
     pub fn channel(&self, file: &Path, name: &str) -> Option<&ChannelEntry> {
         let own = |c: &&ChannelEntry| {

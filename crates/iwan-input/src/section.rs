@@ -9,33 +9,33 @@ use toml::de::{DeTable, DeValue};
 use crate::error::InputError;
 use crate::text::InputText;
 
-/// A table and the place where it stands.
+/// A table and its place in the text.
 #[derive(Debug, Clone)]
 pub struct TablePlace<'a> {
     table: &'a DeTable<'a>,
-    /// Bytes of the text that it takes.
+    /// Range of bytes of the text that the table occupies.
     span: Range<usize>,
 }
 
 impl<'a> TablePlace<'a> {
-    /// The table of a value, if it is one.
+    /// The table that a value is; none where the value is no table.
     fn of(value: &'a Spanned<DeValue<'a>>) -> Option<Self> {
         Some(Self { table: value.get_ref().as_table()?, span: value.span() })
     }
 
-    /// Whether a key is there.
+    /// Whether the table has this key.
     #[must_use]
     pub fn has(&self, key: &str) -> bool {
         self.table.keys().any(|known| known.get_ref() == key)
     }
 }
 
-/// A text read as TOML.
+/// An input text, parsed as TOML.
 #[derive(Debug)]
 pub struct Document<'a>(Spanned<DeTable<'a>>);
 
 impl Document<'_> {
-    /// The keys at the top.
+    /// The table of keys at the top level.
     #[must_use]
     pub fn top(&self) -> TablePlace<'_> {
         TablePlace { table: self.0.get_ref(), span: self.0.span() }
@@ -43,10 +43,10 @@ impl Document<'_> {
 }
 
 impl InputText {
-    /// The text as TOML.
+    /// Parses the text as TOML.
     ///
     /// # Errors
-    /// [`InputError`] with line and column where it is none; `example` is the built-in file to start from.
+    /// [`InputError`] with line and column where the text is no valid TOML; `example` names the built-in file to start from.
     pub fn document(&self, example: &str) -> Result<Document<'_>, InputError> {
         DeTable::parse(&self.text).map(Document).map_err(|error| {
             let start = error.span().map_or(0, |span| span.start);
@@ -57,16 +57,16 @@ impl InputText {
     }
 }
 
-/// One of several variants of a table, told apart by the key `kind`.
+/// One of several variants of a table, distinguished by the key `kind`.
 #[derive(Debug)]
 pub struct TableKind {
     /// Value of `kind`.
     pub name: &'static str,
-    /// Keys that go with it, `kind` itself left out.
+    /// Keys of this variant, without `kind` itself.
     pub keys: &'static [&'static str],
 }
 
-/// A table with its title and place.
+/// A table with its title for messages and its place in the text.
 #[derive(Debug)]
 pub struct Section<'a> {
     source: &'a InputText,
@@ -92,7 +92,7 @@ impl<'a> Section<'a> {
         }
     }
 
-    /// A table whose keys are checked elsewhere.
+    /// A table whose keys the caller checks.
     #[must_use]
     pub fn any(source: &'a InputText, title: impl Into<String>, place: TablePlace<'a>) -> Self {
         Self { source, title: title.into(), place }
@@ -108,7 +108,7 @@ impl<'a> Section<'a> {
         self.source.failure(key.span().start, &format!("unknown key `{given}` in {}", self.title), &remedy)
     }
 
-    /// The variant of the table: its keys are checked, other variants' keys are named as such.
+    /// The variant of the table that its key `kind` names. Keys are checked; a key of another variant is named as such in the error.
     ///
     /// # Errors
     /// [`InputError`] with the place, what stands there and what helps.
@@ -122,7 +122,7 @@ impl<'a> Section<'a> {
         Self::variant("kind", source, title, place, kinds, default)
     }
 
-    /// As [`kind`](Self::kind) for variants that another `key` tells apart.
+    /// As [`kind`](Self::kind), for variants that the key `tells` distinguishes.
     ///
     /// # Errors
     /// [`InputError`] with the place, what stands there and what helps.
@@ -169,7 +169,7 @@ impl<'a> Section<'a> {
         Self { title, ..self }
     }
 
-    /// Title for messages.
+    /// Title of the table for messages.
     #[must_use]
     pub fn title(&self) -> &str {
         &self.title
@@ -179,13 +179,13 @@ impl<'a> Section<'a> {
         self.place.table.iter().find(|(k, _)| k.get_ref().as_ref() == key).map(|(_, v)| v)
     }
 
-    /// Bytes of the text that the value of `key` takes.
+    /// Range of bytes of the text that the value of `key` occupies.
     #[must_use]
     pub fn span(&self, key: &str) -> Option<Range<usize>> {
         self.value(key).map(Spanned::span)
     }
 
-    /// A failure at the value of `key`, or at the table when the key is not there.
+    /// An error at the value of `key`, or at the table when it has no such key.
     #[must_use]
     pub fn failure(&self, key: &str, message: &str, remedy: &str) -> InputError {
         let start = self.value(key).map_or(self.place.span.start, |v| v.span().start);
@@ -279,7 +279,7 @@ impl<'a> Section<'a> {
         self.optional_text(key)?.ok_or_else(|| self.missing(key, &format!("add {key} = \"...\"")))
     }
 
-    /// One of several words, or none.
+    /// The meaning of one of several words; none where the key is missing.
     ///
     /// # Errors
     /// [`InputError`] with the place, what stands there and what helps.
@@ -302,7 +302,7 @@ impl<'a> Section<'a> {
         flag.map(Some).ok_or_else(|| self.wrong_type(key, value.get_ref(), "true or false"))
     }
 
-    /// Whether `key` is there.
+    /// Whether the table has this key.
     #[must_use]
     pub fn has(&self, key: &str) -> bool {
         self.value(key).is_some()
@@ -344,7 +344,7 @@ impl<'a> Section<'a> {
         array.iter().map(|v| self.to_number(key, v)).collect()
     }
 
-    /// The tables of an array of tables, or one table alone; empty when the key is not there.
+    /// The tables of an array of tables, or a single table; empty when the key is missing.
     ///
     /// # Errors
     /// [`InputError`] with the place, what stands there and what helps.
@@ -370,7 +370,7 @@ impl<'a> Section<'a> {
         }
     }
 
-    /// All entries as numbers, in the order of the file: for tables with free keys.
+    /// All entries of a table with free keys, as numbers in the order of the file.
     ///
     /// # Errors
     /// [`InputError`] with the place, what stands there and what helps.
@@ -388,7 +388,8 @@ impl<'a> Section<'a> {
         Ok((section, entries))
     }
 
-    /// Puts file, line and remedy to an error of the libraries about a value of this table.
+    /// Turns an error of the libraries about a value of this table into one with file, line and remedy; `key_of` gives the key for the
+    /// libraries' name of a value.
     #[must_use]
     pub fn out_of_range(&self, error: iwan_core::Error, key_of: impl Fn(&str) -> String) -> InputError {
         use iwan_core::Error;
@@ -409,12 +410,13 @@ impl<'a> Section<'a> {
     }
 }
 
-/// The name nearest to `given`, if one is near.
+/// The known name nearest to `given`; none where all are too different.
 #[must_use]
 pub fn nearest<'a>(given: &str, known: &[&'a str]) -> Option<&'a str> {
     let distance = |name: &str| strsim::damerau_levenshtein(&given.to_lowercase(), &name.to_lowercase());
     let nearest = known.iter().map(|name| (distance(name), *name)).min();
-    // Two slips of the finger in a short name, half of the letters of a long one: farther off, another key was meant.
+    // Up to two wrong letters in a short name, or up to half of the letters of a long one, count as a slip; with more, another key was
+    // meant.
     nearest.filter(|(distance, name)| *distance <= 2.max(name.len() / 2)).map(|(_, name)| name)
 }
 
@@ -427,7 +429,7 @@ pub fn plain(value: f64) -> String {
     }
 }
 
-/// All keys of the variants, `kind` first, each once.
+/// All keys of these variants, each once, `kind` first.
 #[must_use]
 pub fn known(kinds: &[TableKind]) -> Vec<&'static str> {
     let mut keys = vec!["kind"];

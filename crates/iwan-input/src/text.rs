@@ -1,4 +1,4 @@
-//! The text of an input file with its name, for messages that say where.
+//! The text of an input file with its name, for messages with line and column.
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -7,8 +7,8 @@ use iwan_machine::Kind;
 
 use crate::error::InputError;
 
-/// An input file is a page or two; tabulated densities make it longer, but never this long. A longer one is most likely a record or a
-/// mesh given by mistake, and is refused before it is read.
+/// Largest size of an input file in bytes. An input file is a page or two; tabulated densities make it longer, but never as long as this. A
+/// longer file is most likely a record or a mesh given by mistake, and is refused before it is read.
 const LARGEST: u64 = 16 << 20;
 
 /// A named text.
@@ -23,17 +23,17 @@ pub struct InputText {
 }
 
 impl InputText {
-    /// A text that does not come from a file of the user's.
+    /// A text that does not come from a user's file.
     #[must_use]
     pub fn built_in(name: &str, text: &str) -> Self {
         Self { name: name.into(), text: text.into(), folder: PathBuf::from(".") }
     }
 
-    /// Reads a file: text of a sensible size, not empty. `word` says what is read ("scenario"), `example` is the built-in
-    /// file to start from.
+    /// Reads a file, which must be text of a sensible size and not empty. `word` says in messages what is read ("scenario"), `example`
+    /// names the built-in file to start from.
     ///
     /// # Errors
-    /// [`InputError`] for what cannot be read or is no text.
+    /// [`InputError`] for a file that cannot be read or is no text.
     pub fn read(path: &Path, word: &str, example: &str) -> Result<Self, InputError> {
         let name = path.display().to_string();
         let fail = |what: String, remedy: &str| InputError::new(format!("{name}: {what}"), remedy);
@@ -69,14 +69,14 @@ impl InputText {
         Ok(Self { name, text, folder })
     }
 
-    /// A failure at a byte offset, as `name:line:column: message`.
+    /// An error at a byte offset, with the message `name:line:column: message`.
     #[must_use]
     pub fn failure(&self, offset: usize, message: &str, remedy: &str) -> InputError {
         let (line, column) = self.place(offset);
         InputError::new(format!("{}:{line}:{column}: {message}", self.name), remedy)
     }
 
-    /// Line and column, both from 1, of a byte offset.
+    /// Line and column, both counted from 1, of a byte offset.
     fn place(&self, offset: usize) -> (usize, usize) {
         let before = self.text.get(..offset).unwrap_or(&self.text);
         let start = before.rfind('\n').map_or(0, |n| n + 1);
@@ -84,7 +84,7 @@ impl InputText {
     }
 }
 
-/// A basic string of TOML.
+/// A text as a basic string of TOML, in quotes.
 pub(crate) fn quoted(text: &str) -> String {
     let mut out = String::from("\"");
     for c in text.chars() {

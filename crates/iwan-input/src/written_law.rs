@@ -1,4 +1,4 @@
-//! Joint laws: `joint = { ... }` of a mode, `law = { ... }` of a slip.
+//! Joint laws as input files write them: `joint = { ... }` of a mode, `law = { ... }` of a slip.
 
 use iwan_core::{Error, FiveParameter, FourParameter, Jenkins, Uniform};
 use iwan_sim::JointLaw;
@@ -7,7 +7,7 @@ use crate::error::InputError;
 use crate::section::{Section, TableKind, TablePlace};
 use crate::text::InputText;
 
-/// The joint laws and their keys.
+/// The joint laws with their keys.
 pub const LAWS: &[TableKind] = &[
     TableKind { name: "four-parameter", keys: &["k_t", "f_s", "chi", "beta"] },
     TableKind { name: "five-parameter", keys: &["k_t", "f_s", "chi", "beta", "theta"] },
@@ -16,13 +16,13 @@ pub const LAWS: &[TableKind] = &[
     TableKind { name: "tabulated", keys: &["strength", "density", "dirac"] },
 ];
 
-/// A joint law as written, kept beside the law itself so that it can be written again.
+/// A joint law as the file writes it, kept beside the law itself so that it can be written out again.
 #[derive(Debug, Clone, PartialEq)]
 #[allow(missing_docs, reason = "the fields carry the names of the keys, which are those of the laws")]
 pub enum WrittenLaw {
     /// Segalman's four-parameter Iwan joint ([`FourParameter`]).
     FourParameter { k_t: f64, f_s: f64, chi: f64, beta: f64 },
-    /// The same with dynamic below static friction ([`FiveParameter`]).
+    /// A four-parameter joint whose dynamic friction is below the static one ([`FiveParameter`]).
     FiveParameter { k_t: f64, f_s: f64, chi: f64, beta: f64, theta: f64 },
     /// One Jenkins element ([`Jenkins`]).
     Jenkins { k_t: f64, f_s: f64 },
@@ -33,8 +33,8 @@ pub enum WrittenLaw {
 }
 
 impl WrittenLaw {
-    /// Reads and checks a table under the `title` for messages; without `kind` it is a four-parameter joint, or with `theta` one of
-    /// five parameters.
+    /// Reads and checks a table; `title` serves the messages. Without the key `kind` the law is a four-parameter joint, or, with the key
+    /// `theta`, a five-parameter one.
     ///
     /// # Errors
     /// [`InputError`] with the place, what stands there and what helps.
@@ -76,7 +76,7 @@ impl WrittenLaw {
         })
     }
 
-    /// So many joints of this law side by side: stiffness and slip force times `count` at the same slips.
+    /// `count` joints of this law in parallel: stiffness and slip force are multiplied by `count`, at the same slips.
     #[must_use]
     pub fn times(&self, count: f64) -> Self {
         match self {
@@ -121,7 +121,7 @@ impl WrittenLaw {
     }
 }
 
-/// The key behind a name in an error of the libraries.
+/// The key of the file for a name in an error of the libraries.
 fn key_of(name: &str) -> String {
     match name {
         "phi_max" | "f_s/k_t" => "f_s",

@@ -1,4 +1,4 @@
-//! Numbers of all stored types to f64, and a cursor that never reads past the end.
+//! Conversion of numbers of all stored types to f64; no read goes past the end of the bytes.
 
 /// Byte order of stored numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -9,7 +9,7 @@ pub enum Order {
     Big,
 }
 
-/// One number of as many bytes as its type has.
+/// One number from a chunk with exactly as many bytes as its type has.
 macro_rules! number {
     ($chunk:expr, $order:expr, $type:ty, $convert:expr) => {{
         let mut raw = [0; size_of::<$type>()];
@@ -87,7 +87,7 @@ macro_rules! numbers {
     };
 }
 
-/// Whole numbers in `bytes` as f64; a part of one at the end is left out. 64-bit integers above 2^53 are rounded.
+/// All complete numbers in `bytes` as f64; an incomplete number at the end is left out. 64-bit integers above 2^53 are rounded.
 pub(crate) fn to_f64(bytes: &[u8], kind: NumberType, order: Order) -> Vec<f64> {
     match kind {
         NumberType::I8 => numbers!(bytes, order, i8, f64::from),
@@ -103,7 +103,7 @@ pub(crate) fn to_f64(bytes: &[u8], kind: NumberType, order: Order) -> Vec<f64> {
     }
 }
 
-/// One unsigned 32-bit number at the start of `bytes`.
+/// The unsigned 32-bit number at `offset` of `bytes`; none where it would go beyond their end.
 pub(crate) fn u32_at(bytes: &[u8], offset: usize, order: Order) -> Option<u32> {
     let chunk = bytes.get(offset..offset.checked_add(4)?)?;
     let raw = [chunk[0], chunk[1], chunk[2], chunk[3]];

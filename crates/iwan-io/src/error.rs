@@ -1,4 +1,4 @@
-//! Why a file could not be read: where, what was found, what is allowed, what helps.
+//! Why a file could not be read: the place, what was found there, what is allowed, what helps.
 
 use crate::record::RecordError;
 use iwan_machine::Kind;
@@ -21,10 +21,10 @@ pub enum ReadError {
     UnknownFormat {
         /// File.
         file: PathBuf,
-        /// What was looked at.
+        /// Extension and first bytes of the file, which decide its format.
         found: String,
     },
-    /// A known format in a variant that is not read.
+    /// A known format, in a variant that this library does not read.
     #[error("{}: {place}: {found} cannot be read; {remedy}", .file.display())]
     Unsupported {
         /// File.
@@ -48,7 +48,7 @@ pub enum ReadError {
         /// What may stand there.
         expected: String,
     },
-    /// The file ends long before what its header promises.
+    /// The file ends long before the number of points or bytes that its header promises is reached.
     #[error("{}: {place}: the file is cut short: {promised} {what} promised, {found} there; copy or export the file again, or put the true count into the header if nothing is missing", .file.display())]
     CutShort {
         /// File.
@@ -67,7 +67,7 @@ pub enum ReadError {
     NoTime {
         /// File.
         file: PathBuf,
-        /// What was looked at.
+        /// Where a time was looked for, and what was found there.
         found: String,
         /// Names in the file.
         names: String,
@@ -84,7 +84,7 @@ pub enum ReadError {
         /// Names in the file.
         names: String,
     },
-    /// What the file holds does not tell which channels are meant.
+    /// The file does not make clear which channels the user means.
     #[error("{}: {found}; choose with --channel NAME, or --quantity for channels that measure different things (there are: {names})", .file.display())]
     Ambiguous {
         /// File.
@@ -105,10 +105,10 @@ pub enum ReadError {
         found: String,
         /// Length or sampling expected.
         expected: String,
-        /// What sets the expectation.
+        /// Name of the channel or time with that length or sampling.
         reference: String,
     },
-    /// The times run backwards.
+    /// A time is smaller than the time before it.
     #[error("{}: '{name}' runs backwards in row {} of the numbers (sample {sample} counted from 0): {value} s after {previous} s; times must increase: sort or cut the record, or give --rate HZ", .file.display(), .sample + 1)]
     TimeOrder {
         /// File.
@@ -122,18 +122,18 @@ pub enum ReadError {
         /// Time before it in seconds.
         previous: f64,
     },
-    /// The clock stutters: the same time stands at several samples.
+    /// The clock stutters: the same time is stored for several samples.
     #[error("{}: '{name}' says {value} s twice, in row {} of the numbers (sample {sample} counted from 0) again, and repeats itself at {count} of {samples} samples: the clock stutters; give --rate HZ where the samples were taken evenly (on average {rate:.6} Hz), or average and interpolate them with --resample", .file.display(), .sample + 1)]
     TimeRepeated {
         /// File.
         file: PathBuf,
         /// Name of the time vector.
         name: String,
-        /// Index of the first sample with the time of the one before, counted from 0.
+        /// Index of the first sample whose time equals that of the sample before, counted from 0.
         sample: usize,
         /// Its time in seconds.
         value: f64,
-        /// Number of samples with the time of the one before.
+        /// Number of samples whose time equals that of the sample before.
         count: usize,
         /// Number of samples.
         samples: usize,
@@ -147,18 +147,18 @@ pub enum ReadError {
         file: PathBuf,
         /// Name of the time vector.
         name: String,
-        /// Index of the sample after the worst interval.
+        /// Index of the sample at the end of the interval that differs most from the mean, counted from 0.
         sample: usize,
-        /// The worst interval in seconds.
+        /// The interval that differs most from the mean, in seconds.
         interval: f64,
         /// Mean interval in seconds.
         dt: f64,
         /// Largest distance of a time from the nearest even grid, in intervals.
         off: f64,
-        /// The distance that is allowed.
+        /// The largest distance that is allowed, in intervals.
         allowed: f64,
     },
-    /// The times are in something that is no known unit of time.
+    /// The times have a unit that is no known unit of time.
     #[error("{}: '{name}' is in '{unit}', which is no unit of time (known are {known}); {remedy}", .file.display())]
     TimeUnit {
         /// File.
@@ -169,10 +169,10 @@ pub enum ReadError {
         unit: String,
         /// Units that are known.
         known: &'static str,
-        /// What helps.
+        /// The option that helps.
         remedy: &'static str,
     },
-    /// Several time vectors that differ: records of different specimens or tests in one file.
+    /// Several time vectors that differ: one file holds records of different specimens or tests.
     #[error("{}: several times that differ stand in the file ({times}): its channels do not belong together; choose one with --time NAME, or channels with --channel NAME (there are: {names})", .file.display())]
     SeveralTimes {
         /// File.
@@ -209,13 +209,13 @@ pub enum ReadError {
     Record {
         /// File.
         file: PathBuf,
-        /// What is wrong with them.
+        /// What is wrong with the values.
         source: RecordError,
     },
 }
 
 impl ReadError {
-    /// Its kind in the catalogue of errors.
+    /// The error's kind in the catalogue of errors.
     #[must_use]
     pub fn kind(&self) -> Kind {
         match self {

@@ -45,8 +45,8 @@ impl FileBytes<'_> {
         ReadError::CutShort { file: self.file.into(), place: place.into(), what, promised, found }
     }
 
-    /// Factor from the unit of times to seconds, and whether the unit is known: the user's word goes before the file's, and a rate
-    /// given goes before any times.
+    /// Factor from the unit of the times to seconds, and whether that unit is known. The user's unit overrides the file's; where the user
+    /// gives a sampling rate, an unknown unit is no error, because the times are then not used.
     pub(crate) fn seconds(
         &self,
         name: &str,
@@ -80,7 +80,7 @@ impl FileBytes<'_> {
     }
 }
 
-/// Text of a header: UTF-8 where it is, else Latin-1, as older analysers write it.
+/// Text of a header: UTF-8 where the bytes are valid UTF-8, else Latin-1, as older analysers write it.
 pub(crate) fn decode(bytes: &[u8]) -> String {
     match std::str::from_utf8(bytes) {
         Ok(text) => text.into(),

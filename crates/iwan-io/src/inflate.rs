@@ -1,30 +1,31 @@
-//! Decompression that cannot run away.
+//! Decompression that is bounded in size and memory.
 
 use crate::error::ReadError;
 use crate::file_bytes::FileBytes;
 use std::io::{self, ErrorKind, Read};
 
-/// No deflate stream grows by more than this factor (RFC 1951: 258 bytes from two bits at best). A stream that would is
-/// none, and is refused.
+/// Largest ratio of bytes unpacked to bytes packed that deflate can reach (RFC 1951: 258 bytes from two bits at best). A stream that yields
+/// more is no deflate stream, and is refused.
 const MOST_GROWTH: u64 = 1032;
-/// Bytes granted beyond the stream's own. The bound holds without them; the 66 kB that they stand for are no danger.
+/// Packed bytes added to a stream's own before the bound is computed. The bound holds without them; they allow 66 kB more, which is no
+/// danger.
 const GRANTED: u64 = 64;
-/// Growth beyond [`FREE`]: a record with noise shrinks to no less than a fiftieth, so that what grows by more is the same number
-/// again and again, or made to fill a memory.
+/// Largest growth that is allowed above [`FREE`] bytes: a record with noise is packed to no less than a fiftieth of its size, so a file
+/// that grows by more repeats one number again and again, or was made to fill a memory.
 const SENSIBLE_GROWTH: u64 = 100;
-/// Up to so many bytes an archive may grow as deflate can: eight million zeros are no danger to any machine.
+/// Up to this size in bytes (64 MiB) an archive may grow by [`MOST_GROWTH`]: eight million zeros are no danger to any machine.
 const FREE: u64 = 64 << 20;
-/// Bytes unpacked between two looks at the memory that is left.
+/// Bytes that are unpacked between two checks of the free memory.
 const PIECE: u64 = 16 << 20;
 
-/// The bytes that are made of `compressed` bytes at most.
+/// Largest number of bytes that `compressed` bytes may unpack to.
 pub(crate) fn most(compressed: usize) -> u64 {
     let compressed = compressed as u64;
     let deflate = compressed.saturating_add(GRANTED).saturating_mul(MOST_GROWTH);
     deflate.min(compressed.saturating_mul(SENSIBLE_GROWTH).max(FREE))
 }
 
-/// Reads to the end, but no more than `most` bytes, and no more than there is memory for.
+/// Reads to the end, but no more than `most` bytes, and no more than the free memory holds; beyond either limit it returns an error.
 pub(crate) fn read_limited(reader: &mut impl Read, most: u64) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
     loop {
@@ -37,14 +38,14 @@ pub(crate) fn read_limited(reader: &mut impl Read, most: u64) -> io::Result<Vec<
         if (read as u64) < PIECE {
             return Ok(bytes);
         }
-        // A vector doubles when it grows, and then its numbers are copied.
+        // A vector that grows allocates twice its size, and afterwards its bytes are converted to numbers: hence four times the bytes read.
         let remedy = "free some, or give a file of fewer samples";
         iwan_machine::memory::ask("what it unpacks to", 4 * bytes.len() as u64, remedy)
             .map_err(|short| io::Error::new(ErrorKind::OutOfMemory, short))?;
     }
 }
 
-/// Why something could not be unpacked.
+/// The error of something that could not be unpacked.
 pub(crate) fn refused(source: &FileBytes, place: &str, error: io::Error, expected: &str) -> ReadError {
     match error.kind() {
         ErrorKind::OutOfMemory => ReadError::Io { file: source.file.into(), source: error },

@@ -3,9 +3,10 @@
 //! [`read`] turns a file into a [`Record`]: uniformly sampled channels, checked once. [`Table`] writes columns of
 //! results as CSV, NPZ or Parquet. [`atomic`] makes files appear whole or not at all.
 //!
-//! Text files are told by their extension, all others by their content. In a single column, a decimal comma cannot be told from a separator: use a point.
+//! Text files are recognised by their extension, all others by their content. In a single column, a decimal comma cannot be told from a
+//! separator: use a point.
 
-// What a record is, what may be said about a file before it is read, and what is said about it afterwards.
+// What a record is, what the user may say about a file before it is read, and what the reader says about the file afterwards.
 mod quantity;
 mod time_unit;
 mod warning;
@@ -13,7 +14,7 @@ mod record;
 mod error;
 mod options;
 
-// Bytes: a file in memory that names itself in every error, numbers of all types, decompression that cannot run away.
+// Bytes: a file in memory that names itself in every error, numbers of all types, decompression that is bounded in size.
 mod file_bytes;
 mod bytes;
 mod inflate;
@@ -21,7 +22,7 @@ mod inflate;
 // From named arrays to a record.
 mod assembly;
 
-// One room for each format that is read, and the doors to all.
+// One module for each format that is read, and the entry points common to all formats.
 mod text;
 mod numpy;
 mod uff;

@@ -23,7 +23,7 @@ pub enum Format {
     Wav,
 }
 
-/// What the user says about a file; the default says nothing and everything is found out.
+/// What the user says about a file. The default says nothing: format, time and channels are then found in the file.
 ///
 /// ```
 /// use iwan_io::{read_bytes, ReadOptions};
@@ -34,20 +34,21 @@ pub enum Format {
 /// ```
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct ReadOptions {
-    /// Format; otherwise found from content and extension.
+    /// Format; `None`: found from content and extension.
     pub format: Option<Format>,
     /// Name of the time vector: a column, a variable, or a struct field such as `HIdata.time`.
     pub time: Option<String>,
-    /// Names of the channels in the order wanted; empty = all that fit.
+    /// Names of the channels in the order wanted; empty: all channels that fit the time.
     pub channels: Vec<String>,
-    /// Sampling rate in Hz, finite and > 0; goes before what the file says.
+    /// Sampling rate in Hz, finite and > 0; it overrides what the file says.
     pub rate: Option<f64>,
-    /// Quantity; goes before what the file says, and chooses among channels of several quantities.
+    /// Quantity; it overrides what the file says, and chooses among channels of several quantities.
     pub quantity: Option<Quantity>,
     /// Interpolate non-uniform samples onto a uniform grid instead of refusing them.
     pub resample: bool,
-    /// Unit of the times; goes before what the file says.
+    /// Unit of the times; it overrides what the file says.
     pub time_unit: Option<TimeUnit>,
-    /// Convert samples to this unit: `SI` (m, m/s, m/s^2, rad, N, ...), or a label such as `m/s^2` or `mm`; none: samples stay as they are.
+    /// Convert samples to this unit: `SI` (m, m/s, m/s^2, rad, N, ...), or a label such as `m/s^2` or `mm`; `None`: samples stay as they
+    /// are.
     pub unit: Option<String>,
 }

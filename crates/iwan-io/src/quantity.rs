@@ -1,4 +1,4 @@
-//! What samples measure.
+//! The physical quantities that samples measure.
 
 use std::fmt;
 
@@ -16,7 +16,7 @@ pub enum Quantity {
     Force,
     /// Pressure, for instance of sound, in Pa.
     Pressure,
-    /// Voltage of a sensor without its sensitivity, in V.
+    /// Voltage of a sensor whose sensitivity is not applied, in V.
     Voltage,
     /// Strain, for instance of a gauge.
     Strain,

@@ -1,4 +1,4 @@
-//! The uniformly sampled record, checked once when it is made.
+//! The uniformly sampled record; its values are checked once, when it is made.
 
 use crate::quantity::Quantity;
 use crate::warning::Warning;
@@ -23,7 +23,7 @@ pub enum RecordError {
     /// No channel at all.
     #[error("the record has no channel; it needs at least one")]
     NoChannel,
-    /// Not one name for each channel.
+    /// The number of names differs from the number of channels.
     #[error("{names} names for {channels} channels; give one name for each channel")]
     Names {
         /// Number of names.
@@ -60,7 +60,7 @@ pub enum RecordError {
         from: f64,
         /// End wanted in seconds.
         to: f64,
-        /// Samples in it.
+        /// Number of samples in the stretch.
         samples: usize,
         /// Time of the first sample in seconds.
         start: f64,
@@ -82,7 +82,7 @@ pub enum RecordError {
 }
 
 impl RecordError {
-    /// Its kind in the catalogue of errors.
+    /// The error's kind in the catalogue of errors.
     #[must_use]
     pub fn kind(&self) -> Kind {
         match self {
@@ -154,11 +154,11 @@ impl Record {
         self
     }
 
-    /// The samples from `from` to `to` (s, on the record's own clock, both included; none: from the first, to the last). What was noticed
-    /// about the file stays with them.
+    /// The samples from `from` to `to` (s, on the record's own clock, both included; `None`: from the first, or to the last sample). The
+    /// reader's warnings are kept.
     ///
     /// # Errors
-    /// [`RecordError::Stretch`] where fewer than two samples are left (NaN included).
+    /// [`RecordError::Stretch`] where fewer than two samples are left, or a time is NaN.
     ///
     /// ```
     /// let record = iwan_io::Record::new(0.5, vec![vec![0.0, 1.0, 4.0, 9.0]], vec!["tip".into()])?.with_start(-0.5)?;
@@ -169,7 +169,7 @@ impl Record {
     /// ```
     pub fn between(&self, from: Option<f64>, to: Option<f64>) -> Result<Self, RecordError> {
         let (n, end) = (self.len(), self.time(self.len() - 1));
-        // A time that is written as a sample's own is that sample, whatever the last bit says.
+        // A time that is written as that of a sample means this sample, although it may differ in the last bits: hence 1e-6 of an interval.
         let place = |t: f64| (t - self.start) / self.dt;
         let first = from.map_or(0.0, |t| (place(t) - 1e-6).ceil().max(0.0));
         let last = to.map_or(n as f64 - 1.0, |t| (place(t) + 1e-6).floor().min(n as f64 - 1.0));
@@ -191,8 +191,8 @@ impl Record {
         })
     }
 
-    /// Whether another record holds the same samples: then it is the same record once more, whatever its file is called. Such a copy tells
-    /// nothing new, and would make everything that is estimated look more certain.
+    /// Whether another record holds the same samples and so is the same record, whatever its file is called. Such a copy adds no
+    /// information, but would make every estimate look more certain.
     ///
     /// ```
     /// use iwan_io::Record;
@@ -292,7 +292,7 @@ impl Record {
         &self.unit
     }
 
-    /// What the reader noticed and put right or left as it is.
+    /// What the reader noticed in the file and corrected, or left as it is.
     #[must_use]
     pub fn warnings(&self) -> &[Warning] {
         &self.warnings

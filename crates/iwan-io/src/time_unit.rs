@@ -22,14 +22,14 @@ pub enum TimeUnit {
 }
 
 impl TimeUnit {
-    /// What the user may write, for messages.
+    /// The symbols that the user may write, as a list for messages.
     pub(crate) const KNOWN: &'static str = "s, ms, us, ns, min, h";
 
     /// All units.
     pub const ALL: [Self; 6] =
         [Self::Second, Self::Millisecond, Self::Microsecond, Self::Nanosecond, Self::Minute, Self::Hour];
 
-    /// Factor to seconds.
+    /// Number of seconds in one unit.
     ///
     /// ```
     /// let unit: iwan_io::TimeUnit = "Minutes".parse()?;
@@ -67,11 +67,11 @@ impl fmt::Display for TimeUnit {
     }
 }
 
-/// A text that is no unit of time.
+/// The error of a text that is no unit of time.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("'{text}' is no unit of time; known are {}", TimeUnit::KNOWN)]
 pub struct UnknownTimeUnit {
-    /// What was written.
+    /// The text that was written.
     pub text: String,
 }
 

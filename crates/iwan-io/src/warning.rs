@@ -1,12 +1,12 @@
-//! What a reader noticed in a file and put right, or left as it is.
+//! What a reader noticed in a file and corrected, or left as it is.
 
 use crate::quantity::Quantity;
 
-/// One remark about a file that could be read all the same.
+/// A remark about a file that was read in spite of what the remark says.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Warning {
-    /// A header promises another number of points than the file holds; what is there was read.
+    /// A header promises another number of points than the file holds; the points that are there were read.
     #[error("{place}: the header promises {promised} points, the file holds {found}; these were read")]
     Count {
         /// Dataset or variable.
@@ -40,7 +40,7 @@ pub enum Warning {
         /// Mean interval in seconds.
         dt: f64,
     },
-    /// The times lie near an even grid, nearer than matters.
+    /// The times lie so near an even grid that the difference does not matter; they are taken as even.
     #[error("the times lie within {jitter:.1e} s of an even grid of {dt:.6e} s; taken as even")]
     NearlyEven {
         /// Largest distance of a time from the grid in seconds.
@@ -56,14 +56,14 @@ pub enum Warning {
     Resampled {
         /// Largest distance of a time from the even grid in seconds.
         jitter: f64,
-        /// Longest time without a sample in seconds.
+        /// Longest interval between two different times, in seconds.
         gap: f64,
-        /// Times that were the same as the one before.
+        /// Number of times that equal the time before.
         merged: usize,
         /// Interval of the new grid in seconds.
         dt: f64,
     },
-    /// The times have no unit, and look unlike seconds.
+    /// The times have no unit, and sampling rate or length of the record are unlike a ring-down when the times are seconds.
     #[error(
         "the times have no unit; as seconds they mean {rate:.6} samples a second and a record of {duration:.6} s, which is unlike a ring-down: \
          --time-unit ms (us, min, ...) says otherwise, --time-unit s confirms it"
@@ -74,7 +74,7 @@ pub enum Warning {
         /// Length of the record in seconds when the times are seconds.
         duration: f64,
     },
-    /// The rate given by the user differs from the file's by more than 1e-3.
+    /// The sampling rate given by the user differs from the file's by more than 1e-3 of it.
     #[error("the rate given, {used} Hz, was used in place of the file's, {stored} Hz")]
     RateReplaced {
         /// Rate of the file in Hz.
@@ -90,7 +90,7 @@ pub enum Warning {
         /// Factor to seconds.
         factor: f64,
     },
-    /// Samples were converted to another unit as told.
+    /// Samples were converted to another unit at the user's request.
     #[error("'{name}' in {from} was multiplied by {factor:e} to give {to}")]
     Converted {
         /// Channel.
@@ -108,14 +108,14 @@ pub enum Warning {
         /// Name of the column.
         name: String,
     },
-    /// A file says that a window lies over a function.
+    /// A dataset 1858 of a universal file says that a window was applied to a function.
     #[error("{window} lies over '{name}' by its dataset 1858: {advice}")]
     Windowed {
         /// Channel or function.
         name: String,
         /// The window in words.
         window: String,
-        /// What that means, and what to do.
+        /// What the window means for damping and amplitudes, and what to do.
         advice: &'static str,
     },
     /// A channel or dataset was not read.
@@ -126,12 +126,12 @@ pub enum Warning {
         /// Why.
         reason: String,
     },
-    /// The user's word on the quantity replaced the file's.
+    /// The quantity that the user gave replaced the file's.
     #[error("the file says {stored}, {used} was used as told")]
     QuantityReplaced {
         /// Quantity of the file.
         stored: Quantity,
-        /// Quantity given and used.
+        /// Quantity that the user gave, and that was used.
         used: Quantity,
     },
     /// The chosen channels measure different things or have different units.

@@ -1,8 +1,9 @@
 //! Sound files: RIFF/WAVE with linear samples of 8, 16, 24 and 32 bits and with floating point numbers.
 //!
 //! Layout after "Multimedia Programming Interface and Data Specifications 1.0" (IBM and Microsoft, 1991) and the extensible format of
-//! `mmreg.h`. Samples are relative to full scale, so that the largest a file can hold is 1: what a unit of that was is known to
-//! the one who recorded it. Own reader of some lines: it bounds memory by the file and names what is wrong in it.
+//! `mmreg.h`. Samples are relative to full scale, so that the largest sample a file can hold is 1; which voltage or acceleration full scale
+//! stands for is known only to whoever recorded the file. The reader is our own because it is short, bounds memory by the file's size and
+//! names what is wrong in the file.
 
 use crate::assembly::{Axis, Channel, Raw};
 use crate::bytes::{NumberType, Order, to_f64, u32_at};
@@ -13,23 +14,24 @@ use crate::quantity::Quantity;
 use crate::warning::Warning;
 use iwan_machine::listed;
 
-/// Linear samples.
+/// Format code of linear samples (PCM).
 const LINEAR: u16 = 1;
-/// Floating point numbers.
+/// Format code of floating-point samples.
 const FLOAT: u16 = 3;
-/// The format stands in an extension.
+/// Format code that says that the true format code stands in the extension of the chunk `fmt `.
 const EXTENSIBLE: u16 = 0xfffe;
-/// Bytes of the extension up to the first two of the format's identifier, which say it.
+/// Offset in bytes, from the start of the chunk `fmt `, of the format's identifier in the extension. Its first two bytes are the format
+/// code.
 const EXTENSION: usize = 24;
-/// The unit of samples.
+/// The unit of the samples.
 const FULL_SCALE: &str = "full scale";
 
-/// Whether bytes begin as a sound file does.
+/// Whether bytes begin with the header of a WAV file.
 pub(crate) fn is_wave(bytes: &[u8]) -> bool {
     bytes.starts_with(b"RIFF") && bytes.get(8..12) == Some(b"WAVE")
 }
 
-/// How samples stand in the file.
+/// How samples are stored in the file.
 struct Layout {
     format: u16,
     channels: usize,
@@ -38,7 +40,7 @@ struct Layout {
     bits: u16,
 }
 
-/// Channels of a sound file; the rate is the file's.
+/// Channels of a sound file, at the sampling rate that the file states.
 pub(crate) fn parse(source: FileBytes, options: &ReadOptions) -> Result<Raw, ReadError> {
     if !is_wave(source.bytes) {
         let found = format!("{} bytes that do not begin with RIFF and WAVE", source.bytes.len());
@@ -62,7 +64,8 @@ pub(crate) fn parse(source: FileBytes, options: &ReadOptions) -> Result<Raw, Rea
                     "a chunk 'fmt ' first",
                 ));
             };
-            // A program that was stopped leaves 0 or the largest number for the size.
+            // A program that was stopped while it recorded leaves 0 or the largest number as the size of the samples; they then go to the
+            // end of the file.
             let open = size == 0 || size == u32::MAX;
             let body = if size == 0 { &source.bytes[start..] } else { body };
             let frame = layout.channels * usize::from(layout.bits / 8);
@@ -109,13 +112,13 @@ impl Layout {
         Ok(Self { format, channels: channels.into(), rate, bits })
     }
 
-    /// All samples as parts of full scale, channel after channel in turn.
+    /// All samples as parts of full scale, interleaved: one of each channel in turn.
     fn samples(&self, body: &[u8]) -> Vec<f64> {
         let little = |kind, scale: f64| -> Vec<f64> {
             to_f64(body, kind, Order::Little).into_iter().map(|v| v * scale).collect()
         };
         match (self.format, self.bits) {
-            // Eight bits count from 0, with silence at 128.
+            // Samples of eight bits are unsigned; silence is 128.
             (LINEAR, 8) => body.iter().map(|b| (f64::from(*b) - 128.0) / 128.0).collect(),
             (LINEAR, 16) => little(NumberType::I16, 1.0 / 32_768.0),
             (LINEAR, 24) => {

@@ -1,4 +1,4 @@
-//! The bytes of a file, as far as memory reaches.
+//! Reads the bytes of a file, as far as there is memory for them.
 
 use std::fs::{File, Metadata, OpenOptions};
 use std::io::{self, ErrorKind, Read};
@@ -7,20 +7,21 @@ use std::time::{Duration, Instant};
 
 use crate::memory;
 
-/// Bytes read from a pipe between two looks at the memory that is left: a look costs half a millisecond, reading so much two.
+/// Bytes read from a pipe between two checks of the free memory: a check costs half a millisecond, reading this many bytes two
+/// milliseconds.
 const PIECE: usize = 16 << 20;
 
-/// How long a pipe may stay without a writer. The shell opens both ends of `<(command)` at once; whoever gives a named pipe has
-/// started its writer or will not.
+/// How long a pipe may stay without a writer; then reading it ends with an error. The shell opens both ends of `<(command)` at once; a user
+/// who names a pipe has started its writer already, or never will.
 const PATIENCE: Duration = Duration::from_secs(5);
 
-/// Time between two looks into an empty pipe.
+/// Time between two attempts to read an empty pipe.
 const NAP: Duration = Duration::from_millis(10);
 
-/// Reads a file, or a pipe that something writes into, whole.
+/// Reads a whole file, or all that is written into a pipe.
 ///
 /// # Errors
-/// What the operating system says; [`ErrorKind::OutOfMemory`] where the file needs more memory than there is;
+/// The operating system's error; [`ErrorKind::OutOfMemory`] where the file needs more memory than there is;
 /// [`ErrorKind::InvalidInput`] for a device, which has no end; [`ErrorKind::TimedOut`] for a pipe without a writer.
 ///
 /// ```
@@ -42,7 +43,7 @@ pub fn read_file(path: &Path) -> io::Result<Vec<u8>> {
     ask(meta.len())?;
     let mut bytes = Vec::new();
     bytes.try_reserve_exact(usize::try_from(meta.len()).unwrap_or(usize::MAX)).map_err(io::Error::other)?;
-    // Files of /proc say that they are empty, and others may grow.
+    // Files of /proc state that they are empty, and other files may grow while they are read.
     let mut file = File::open(path)?;
     if meta.len() > 0 {
         file.by_ref().take(meta.len()).read_to_end(&mut bytes)?;
@@ -57,7 +58,7 @@ fn ask(bytes: u64) -> io::Result<()> {
     asked.map_err(|short| io::Error::new(ErrorKind::OutOfMemory, short))
 }
 
-/// Reads to the end, looking at the memory that is left; `wait` says whether to go on where there is nothing at the moment.
+/// Reads to the end and checks the free memory meanwhile; where nothing has been read yet, `wait` decides whether to try again.
 fn drain(file: &mut File, bytes: &mut Vec<u8>, wait: impl Fn() -> io::Result<bool>) -> io::Result<()> {
     let mut piece = vec![0; 1 << 16];
     let mut asked = bytes.len();
@@ -65,7 +66,7 @@ fn drain(file: &mut File, bytes: &mut Vec<u8>, wait: impl Fn() -> io::Result<boo
         match file.read(&mut piece) {
             Ok(0) if !(bytes.is_empty() && wait()?) => return Ok(()),
             Ok(n) => {
-                // A vector doubles when it grows, and the old half stays until it is copied.
+                // A vector that grows allocates twice its size, and the old half stays until it is copied.
                 if bytes.len() + n > asked {
                     asked = bytes.len() + PIECE;
                     ask(2 * asked as u64)?;
@@ -80,7 +81,7 @@ fn drain(file: &mut File, bytes: &mut Vec<u8>, wait: impl Fn() -> io::Result<boo
     }
 }
 
-/// From a pipe. Opened without waiting for a writer, it is at its end until there is one.
+/// Reads a pipe. It is opened without waiting for a writer, and appears to be at its end until a writer opens it.
 fn from_pipe(path: &Path) -> io::Result<Vec<u8>> {
     let mut options = OpenOptions::new();
     options.read(true);

@@ -1,6 +1,6 @@
-//! The catalogue of errors: every kind that a user can meet, with a name that stays, what causes it and what helps.
+//! The catalogue of errors: every kind that a user can meet, with a permanent name, its cause and what helps.
 
-/// Writes the kinds down once: variant, name, exit code of the command line, cause, remedy.
+/// Defines all kinds in one list: variant, name, exit code of the command line, cause, remedy.
 macro_rules! kinds {
     ($($variant:ident, $name:literal, $code:literal, $cause:literal, $remedy:literal;)*) => {
         /// A kind of error. Names stay from release to release; programs may rely on them.

@@ -1,12 +1,12 @@
-//! What the machine gives: memory, threads and whole files, each asked for before it is taken.
+//! Resources of the machine: memory, threads and whole files, each asked for before it is taken.
 //!
-//! A computation that asks the operating system for more memory than there is ends in an abort, and takes an interpreter with it; a
-//! thread that cannot be had is a panic. Here both are questions with an answer: [`memory::ask`] refuses with a remedy before anything is
-//! allocated, and [`threads`] does the work on the threads that there are, one at least. [`read_file`] reads what is a file, and neither
-//! waits for ever nor fills the memory over what is none. A [`checkpoint`] keeps what is done of long work, so that a process that is killed is
-//! no loss.
+//! A computation that asks the operating system for more memory than there is ends in an abort, and ends a Python interpreter with it; a
+//! thread that the system cannot start is a panic. Here both are requests that can be refused: [`memory::ask`] refuses with a remedy before anything is
+//! allocated, and [`threads`] does the work on as many threads as the system gives, at least the calling one. [`read_file`] reads files, and neither
+//! waits for ever nor fills the memory where the path is no file. A [`checkpoint`] keeps finished parts of long work, so that little
+//! is lost when a process is killed.
 
-// The kinds of error that all crates share: this is the lowest of those that read files.
+// The kinds of error that all crates share: this crate is the lowest of those that read files.
 mod kinds;
 
 // Lists of names in messages.
@@ -18,10 +18,10 @@ pub mod memory;
 // Work on as many threads as can be had.
 pub mod threads;
 
-// The bytes of a file, as far as memory reaches.
+// The bytes of a file, as far as there is memory for them.
 mod files;
 
-// Long work that is kept while it is done.
+// Checkpoints: parts of long work are kept on the disk as they are done.
 pub mod checkpoint;
 
 pub use files::read_file;

@@ -1,4 +1,4 @@
-//! Memory is asked for before it is taken.
+//! Memory that is asked for before it is allocated.
 
 use std::cell::Cell;
 use std::fmt;
@@ -6,52 +6,54 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use sysinfo::{MemoryRefreshKind, ProcessRefreshKind, ProcessesToUpdate, System};
 
-/// What the user allows this process, bytes. A process has one memory: so this stands for all of it.
+/// The limit that the user sets for this process, bytes. Memory belongs to the process as a whole, so one static value holds for all of its
+/// threads.
 static LIMIT: AtomicU64 = AtomicU64::new(u64::MAX);
 
-/// Estimates below this are not compared with the machine, which takes half a millisecond: no machine that runs this program at all
-/// lacks 16 MB, and one call of a loop over small responses takes less than that half millisecond. The user's limit holds for them too.
+/// Requests below this size, bytes, are granted without asking the machine, which takes half a millisecond: no machine that runs this
+/// program lacks 16 MB, and a call for a small response in a loop takes less than that half millisecond. A limit set by the user is checked
+/// for these requests, too.
 const SMALL: u64 = 16 << 20;
 
-/// Sets what this process may take in all, bytes; `u64::MAX`, as at the beginning, leaves it to the machine.
+/// Sets the memory that this process may take in all, bytes; with `u64::MAX`, the initial value, only the machine limits it.
 pub fn set_limit(bytes: u64) {
     LIMIT.store(bytes, Ordering::Relaxed);
 }
 
-/// The limit set, bytes.
+/// The limit that was set, bytes.
 #[must_use]
 pub fn limit() -> u64 {
     LIMIT.load(Ordering::Relaxed)
 }
 
-/// Memory that may still be taken, and whose bound it is.
+/// Memory that may still be taken, and what limits it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Free {
-    /// Bytes.
+    /// Number of bytes.
     pub bytes: u64,
     /// What sets the bound.
     pub bound: Bound,
 }
 
-/// Who says how much memory there is.
+/// What limits the memory.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Bound {
-    /// What is free on the machine, or in the container that the process runs in.
+    /// The free memory of the machine, or of the container in which the process runs.
     Machine,
     /// The process's own limit of address space (`ulimit -v`).
     Process,
-    /// [`set_limit`], on the command line `--memory`.
+    /// The limit given to [`set_limit`], on the command line `--memory`.
     Given,
 }
 
-/// More memory is needed than may be taken.
+/// The error of work that needs more memory than may be taken.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub struct Short {
-    /// What needs it.
+    /// The work or data that needs the memory.
     pub what: String,
-    /// About how many bytes it needs.
+    /// About how many bytes are needed.
     pub needed: u64,
-    /// How many there are.
+    /// How many bytes there are, and what limits them.
     pub free: Free,
     /// What helps.
     pub remedy: String,
@@ -69,7 +71,7 @@ impl fmt::Display for Short {
     }
 }
 
-/// A number of bytes as people read it.
+/// A number of bytes, displayed with a unit such as MB.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Bytes(pub u64);
 
@@ -87,7 +89,7 @@ impl fmt::Display for Bytes {
 /// Reads a number of bytes: `4GB`, `500 MB`, `2 GiB`, `1000000`.
 ///
 /// # Errors
-/// What is allowed.
+/// A text that says what is allowed.
 ///
 /// ```
 /// use iwan_machine::memory::parse_bytes;
@@ -114,15 +116,15 @@ pub fn parse_bytes(text: &str) -> Result<u64, String> {
     sensible.map(|bytes| bytes as u64).ok_or_else(|| "must be a size such as 4GB, 500MB or 2GiB".into())
 }
 
-/// Address space that a thread costs beside what it asks for: the system's allocator reserves 64 MiB for it, and its stack is 2 MiB. Without that a response for which there seemed to be
-/// 378 MB under `ulimit -v` ended in an abort at 288 MB.
+/// Address space, bytes, that a thread takes beside the memory it asks for: the system's allocator reserves 64 MiB for it, and its stack is
+/// 2 MiB. Before this was counted, a response for which 378 MB seemed to be free under `ulimit -v` ended in an abort at 288 MB.
 const ARENA: u64 = 66 << 20;
 
 fn cores() -> u64 {
     std::thread::available_parallelism().map_or(1, |cores| cores.get() as u64)
 }
 
-/// How much memory may still be taken.
+/// The memory that may still be taken.
 ///
 /// ```
 /// assert!(iwan_machine::memory::free().bytes > 0);
@@ -150,13 +152,14 @@ pub fn free() -> Free {
     free
 }
 
-/// What a control group may still take of its total, where processes of it hold `held`. Its own count of what is free takes the files that the system keeps in memory as used, though they make
-/// room: on a machine of 24 GB that had read 20 GB of files and used 0.9, a response of 2.9 GB was refused.
+/// What a control group may still take of its total, bytes, when its processes hold `held` bytes. The group's own count of free memory
+/// treats files that the system caches in memory as used, although they make room when needed: on a machine of 24 GB that had read 20 GB of
+/// files and used 0.9 GB, a response of 2.9 GB was refused.
 fn left(total: u64, held: u64) -> u64 {
     total.saturating_sub(held)
 }
 
-/// What this process has: memory in use, and addresses reserved.
+/// Memory in use by this process, and address space reserved by it, bytes.
 fn own(system: &mut System) -> (u64, u64) {
     let Ok(me) = sysinfo::get_current_pid() else { return (0, 0) };
     let kind = ProcessRefreshKind::nothing().with_memory();
@@ -175,24 +178,24 @@ fn address_space() -> u64 {
     u64::MAX
 }
 
-/// Whether something bounds the addresses that this process may reserve, such as `ulimit -v`. Kernels of dense matrices reserve twice the largest cache of the processor on
-/// each thread: where this is bounded, small matrices are better factored without them.
+/// Whether a limit such as `ulimit -v` bounds the address space that this process may reserve. Kernels of dense matrices reserve twice the
+/// largest cache of the processor on each thread: under such a limit, small matrices are better factored without these kernels.
 #[must_use]
 pub fn is_address_space_bounded() -> bool {
     address_space() != u64::MAX
 }
 
 thread_local! {
-    /// Whether this thread has been granted what kernels of dense matrices reserve on it.
+    /// Whether this thread has been granted the address space that kernels of dense matrices reserve on it.
     static GRANTED: Cell<bool> = const { Cell::new(false) };
 }
 
-/// Asks for the address space that the kernels of dense matrices reserve once on each thread, of which they use little: twice the largest cache of the
-/// processor, 960 MiB where that has 480. It counts where `ulimit -v` bounds it. `started` is the number of threads that were started for the work; with none
-/// this thread does it, and has to ask once only.
+/// Asks for the address space that the kernels of dense matrices reserve once on each thread and hardly use: twice the largest cache of the
+/// processor, 960 MiB where the cache has 480 MiB. It matters only where `ulimit -v` limits the address space. `started` is the number of
+/// threads that were started for the work; with 0 the calling thread does the work, and has to ask only once.
 ///
 /// # Errors
-/// [`Short`] where there is less; without that the kernels abort the process.
+/// [`Short`] where there is less; without this refusal the kernels would abort the process.
 pub fn ask_for_kernels(started: usize) -> Result<(), Short> {
     if !is_address_space_bounded() || (started == 0 && GRANTED.get()) {
         return Ok(());
@@ -208,7 +211,7 @@ pub fn ask_for_kernels(started: usize) -> Result<(), Short> {
     Ok(())
 }
 
-/// Bytes of the processor's largest cache; 0 where the system does not say.
+/// Size of the processor's largest cache, bytes; 0 where the system does not state it.
 fn largest_cache() -> u64 {
     let size = |level: usize| {
         let path = format!("/sys/devices/system/cpu/cpu0/cache/index{level}/size");
@@ -217,10 +220,10 @@ fn largest_cache() -> u64 {
     (0..8).filter_map(size).max().unwrap_or(0)
 }
 
-/// Asks for about `needed` bytes for `what`; nothing is taken.
+/// Asks whether about `needed` bytes are free for `what`; nothing is allocated.
 ///
 /// # Errors
-/// [`Short`] when there is less, with `remedy`.
+/// [`Short`], with `remedy`, when fewer bytes are free.
 ///
 /// ```
 /// use iwan_machine::memory::ask;
@@ -245,7 +248,7 @@ mod tests {
 
     #[test]
     fn files_that_the_system_keeps_are_no_memory_in_use() {
-        // 20 GB of files were read in a group of 24 GB whose processes hold 0.9.
+        // A control group of 24 GB has read 20 GB of files; its processes hold 0.9 GB.
         assert_eq!(left(24_000_000_000, 900_000_000), 23_100_000_000);
         assert_eq!(left(1_000_000_000, 2_000_000_000), 0);
         assert!(free().bytes > 0);

@@ -1,11 +1,12 @@
 //! Lists of names in messages.
 
-/// Names that a message shows; more of them are longer than a screen.
+/// Largest number of names in a message; a list of more is longer than a screen, and the message says how many more there are.
 const SHOWN: usize = 20;
-/// Characters of a name that it shows.
+/// Largest number of characters of a name in a message; longer names are cut.
 const LONGEST: usize = 60;
 
-/// Names for a message: the first twenty, each at most sixty characters long, and how many more there are. A file may hold a hundred thousand.
+/// Names for a message: the first twenty, each at most sixty characters long, and how many more there are; a file may hold a hundred
+/// thousand names.
 ///
 /// ```
 /// assert_eq!(iwan_machine::listed(["tip", "root"]), "tip, root");
@@ -24,7 +25,7 @@ pub fn listed<N: AsRef<str>>(names: impl IntoIterator<Item = N>) -> String {
     }
 }
 
-/// At most so many characters of a text, for a message.
+/// The first `most` characters of a text, for a message; `...` follows where the text is longer.
 ///
 /// ```
 /// assert_eq!(iwan_machine::shortened("accelerometer", 5), "accel...");

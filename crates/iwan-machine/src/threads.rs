@@ -1,14 +1,14 @@
-//! Work on as many threads as can be had, this one among them: where the system gives none, the work is done here.
+//! Work on as many threads as the system gives, the calling thread included: where it gives none, the calling thread does all of it.
 //!
-//! No result depends on how many there are: whoever calls cuts the work by its size alone.
+//! No result depends on the number of threads: callers divide the work by its size alone.
 
 use std::panic::resume_unwind;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::Builder;
 
-/// Runs `work` on this thread and on up to `threads - 1` others at once, and returns what each of them did, this one first. `work` takes its
-/// pieces from a common pile until there are none.
+/// Runs `work` on the calling thread and on up to `threads - 1` others at once, and returns the result of each, that of the calling thread
+/// first. `work` takes pieces from a common store until none are left.
 ///
 /// ```
 /// use std::sync::atomic::{AtomicU32, Ordering};
@@ -31,8 +31,8 @@ pub fn together<R: Send>(threads: usize, work: &(dyn Fn() -> R + Sync)) -> Vec<R
     })
 }
 
-/// `work` on every item, on at most `threads` threads; the results are in the order of the items, the same bits whatever the
-/// number of threads. Items are begun in their order: give the longest work first.
+/// Applies `work` to every item, on at most `threads` threads. The results are in the order of the items, with the same bits whatever the
+/// number of threads. Items are begun in their order: put those that take longest first.
 ///
 /// ```
 /// assert_eq!(iwan_machine::threads::in_parallel(&[1, 2, 3], 2, &|n| n * n), [1, 4, 9]);
@@ -54,7 +54,7 @@ pub fn in_parallel<I: Sync, R: Send>(items: &[I], threads: usize, work: &(dyn Fn
     done.into_iter().map(|(_, result)| result).collect()
 }
 
-/// Does both, at once where there is a thread for the second.
+/// Runs both, at the same time where the system gives a thread for the second.
 ///
 /// ```
 /// assert_eq!(iwan_machine::threads::both(&|| 6 * 7, &|| "x"), (42, "x"));
@@ -70,10 +70,10 @@ pub fn both<A, B: Send>(first: &dyn Fn() -> A, second: &(dyn Fn() -> B + Sync)) 
     })
 }
 
-/// Begins `work` on a thread of its own, or gives it back where none can be had.
+/// Starts `work` on a thread of its own, or returns `work` where the system gives no thread.
 ///
 /// # Errors
-/// The work.
+/// Returns `work` itself.
 ///
 /// ```
 /// let (sender, receiver) = std::sync::mpsc::channel();
@@ -96,7 +96,7 @@ pub fn begin<F: FnOnce() + Send + 'static>(name: &str, work: F) -> Result<(), F>
     };
     match Builder::new().name(name.into()).spawn(run) {
         Ok(_) => Ok(()),
-        // A thread that was not begun has taken nothing.
+        // A thread that did not start has not taken the work.
         Err(_) => take(&kept).map_or(Ok(()), Err),
     }
 }

@@ -1,6 +1,6 @@
-//! The Python module `iwan._native`: every class and function wraps one of the libraries, with NumPy arrays at the door.
+//! The Python module `iwan._native`: every class and function wraps one of the libraries, and takes and returns NumPy arrays.
 //!
-//! No physics and no defaults of its own. The package around it is in `python/iwan`, its contract in `_native.pyi`.
+//! It holds no physics and no defaults of its own. The Python package around it is in `python/iwan`, its interface in `_native.pyi`.
 
 #![allow(
     clippy::doc_link_with_quotes,
@@ -8,20 +8,20 @@
     reason = "documentation of Python; arguments come from Python by value"
 )]
 
-// Ground: what passes between Python and Rust.
+// The basis: conversions between Python and Rust.
 mod exchange;
 
-// Values that users make, the ring-downs of modes and their steady vibration.
+// Values that users make, ring-downs of modes, and steady vibration of modes.
 mod values;
 mod ring_down;
 mod steady;
 
-// Records and what they tell; hits; structures.
+// Records and what is identified from them; hammer hits; structures.
 mod records;
 mod modal;
 mod structures;
 
-// The paper reproduced, and the command line, whole.
+// The reproduction of the paper, and the whole command line.
 mod study;
 mod command;
 

@@ -1,4 +1,4 @@
-//! Modes from hits, for `iwan.modal_fit`.
+//! Modes from hammer hits, for `iwan.modal_fit`.
 
 use iwan_machine::{Kind, listed};
 use iwan_modal::measure::{Channel, Fault, Freedom, Hit, Motion, faults};
@@ -31,15 +31,15 @@ pub(crate) struct Request {
     drop_poles: Vec<f64>,
 }
 
-/// What was measured.
+/// The measurement: hits with a force, or free decays.
 enum Measured {
     Hits(Vec<Hit>),
-    /// Channels of each decay.
+    /// The channels of each decay.
     Decays(Vec<Vec<Channel>>),
 }
 
 impl Measured {
-    /// None of decays.
+    /// The hits; empty for free decays.
     fn hits(&self) -> &[Hit] {
         match self {
             Self::Hits(hits) => hits,
@@ -67,7 +67,7 @@ pub(crate) fn _modal_fit<'py>(
     let ways = [
         ("chart", Analysis::Chart),
         ("isolation", Analysis::Isolation),
-        // Their poles come from the samples, not from the responses.
+        // The poles of this method come from the samples, not from the frequency responses.
         ("subspace", Analysis::Chart),
     ];
     let given = request.poles.clone().unwrap_or_default();
@@ -131,8 +131,9 @@ pub(crate) fn _modal_fit<'py>(
     told(py, &responses, &fit, &given, words)
 }
 
-/// Faults of a hit in words. Responses over a force without a pulse are no frequency responses: such a hit is refused, unless the force is taken whole.
-/// Threads that work for the caller cannot make Python's exceptions, which wait for the lock that the caller holds: what is wrong is a text.
+/// Faults of a hit in words. Responses over a force without a pulse are no frequency responses: such a hit is refused, unless the whole
+/// force record is used. The error is a text, because threads that work for the caller cannot make Python's exceptions: these wait for the
+/// lock that the caller holds.
 fn judged(hit: &Hit, whole_force: bool) -> Result<Vec<String>, String> {
     let mut words = Vec::new();
     for fault in faults(hit) {
@@ -150,7 +151,7 @@ fn judged(hit: &Hit, whole_force: bool) -> Result<Vec<String>, String> {
     Ok(words)
 }
 
-/// Something that the records do not give is an identification's error; all else is a bad value.
+/// The exception for an error: an identification error where the records do not give the result, else a bad value.
 fn told_error(error: &Error) -> PyErr {
     let exception = match error {
         Error::Refused { .. } | Error::Record { .. } => identification_failed(error.to_string()),

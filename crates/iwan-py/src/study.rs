@@ -1,4 +1,4 @@
-//! The paper reproduced: `iwan.reproduce`.
+//! The reproduction of the paper: `iwan.reproduce`.
 
 use pyo3::prelude::*;
 
@@ -6,7 +6,7 @@ use crate::exchange::errors::computation;
 use crate::exchange::options::thread_count;
 use crate::exchange::work;
 
-/// Parts in which progress is told, of the whole.
+/// The count that progress reaches at the end.
 const PARTS: f64 = 1000.0;
 
 /// Every number of the reproduction as a JSON text; `progress` hears thousandths.

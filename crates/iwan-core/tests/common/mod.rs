@@ -1,10 +1,10 @@
-//! What several tests share.
+//! Helpers for several tests.
 
 #![allow(dead_code, reason = "not every test uses all of it")]
 
 use iwan_core::Samples;
 
-/// Displacement, velocity, acceleration and joint force of a response.
+/// Buffers for displacement, velocity, acceleration and joint force of a response.
 pub(crate) struct Buffers(pub(crate) [Vec<f64>; 4]);
 
 impl Buffers {
@@ -18,7 +18,7 @@ impl Buffers {
     }
 }
 
-/// Largest difference relative to the largest value of `b`.
+/// Largest difference of `a` and `b`, relative to the largest value of `b`.
 pub(crate) fn worst(a: &[f64], b: &[f64]) -> f64 {
     assert_eq!(a.len(), b.len());
     let peak = b.iter().fold(0.0_f64, |m, x| m.max(x.abs()));

@@ -6,7 +6,7 @@ use crate::error::ExchangeError;
 use crate::matrix::{Component, Entry, Label, Matrix, Stored};
 use crate::source::{Line, Source, number, quote};
 
-/// One entry with its fields, continuations joined: the name of the matrix first.
+/// One DMIG entry with its fields, those of continuation lines included; the first field is the name of the matrix.
 struct Card<'a> {
     line: Line<'a>,
     fields: Vec<&'a [u8]>,
@@ -17,7 +17,7 @@ impl<'a> Card<'a> {
         self.fields.get(at).copied().unwrap_or_default()
     }
 
-    /// A whole number >= 0; an empty field is `empty`.
+    /// A whole number >= 0; an empty field has the value `empty`.
     fn whole(
         &self,
         source: &Source,
@@ -43,7 +43,7 @@ impl<'a> Card<'a> {
     }
 }
 
-/// Splits a line into its fields behind the first one; whether they are 16 characters wide.
+/// Appends the fields of a line, its first field left out, to `out`; fields are free, 16 or 8 characters wide.
 fn fields<'a>(text: &'a [u8], out: &mut Vec<&'a [u8]>) {
     if text.contains(&b',') {
         out.extend(text.split(|b| *b == b',').skip(1).take(8).map(<[u8]>::trim_ascii));
@@ -58,7 +58,7 @@ fn fields<'a>(text: &'a [u8], out: &mut Vec<&'a [u8]>) {
     }
 }
 
-/// The DMIG entries of a file; other entries and whatever stands before are passed over.
+/// The DMIG entries of a file; all other lines are passed over.
 fn cards<'a>(source: &Source<'a>) -> Vec<Card<'a>> {
     let mut cards: Vec<Card> = Vec::new();
     let mut lines = source.lines();
@@ -87,7 +87,7 @@ fn cards<'a>(source: &Source<'a>) -> Vec<Card<'a>> {
     cards
 }
 
-/// A matrix while it is read.
+/// A matrix of which only some entries are read so far.
 struct Reading {
     /// 1 square, 2 and 9 rectangular, 6 symmetric.
     form: u64,
@@ -157,7 +157,7 @@ fn column(source: &Source, card: &Card, reading: &mut Reading) -> Result<(), Exc
     Ok(())
 }
 
-/// Number of each label, ascending.
+/// For each label its place in ascending order, counted from 0.
 fn numbered(labels: impl Iterator<Item = Label>) -> BTreeMap<Label, u32> {
     let mut sorted: Vec<Label> = labels.collect();
     sorted.sort_unstable();

@@ -10,30 +10,32 @@ pub(super) struct Head {
     pub(super) name: String,
     pub(super) rows: u64,
     pub(super) columns: u64,
-    /// Sparse strings have rows of their own word: rows < 0 in the file, or more of them than 16 bits count.
+    /// Strings (runs of values in consecutive rows) of sparse matrices have their row in a word of its own: the file states rows < 0, or
+    /// more rows than 16 bits can count.
     pub(super) bigmat: bool,
-    /// Values are single precision, which counts as one word each.
+    /// Values are single precision, and each counts as one word.
     pub(super) single: bool,
-    /// An entry has a real and an imaginary part.
+    /// Each entry has a real and an imaginary part.
     pub(super) complex: bool,
 }
 
-/// How the strings of a column stand.
+/// How the strings of a column are stored.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Layout {
-    /// One string from a row on.
+    /// One string, which begins at a stated row.
     Dense,
-    /// Strings with length and row in two words.
+    /// Strings whose length and row stand in two words.
     BigMat,
-    /// Strings with length and row in one word.
+    /// Strings whose length and row share one word.
     Packed,
 }
 
-/// From this many rows on strings have two words whether or not the rows are negative: a row no longer fits into 16 bits.
+/// From this number of rows on, length and row of a string stand in two words, whatever the sign of the number of rows: the number of a row
+/// no longer fits into 16 bits.
 const BIGMAT_ROWS: i64 = 65_536;
 
 impl Head {
-    /// From the five numbers of a header.
+    /// A header from its numbers and name.
     pub(super) fn new(
         source: &Source,
         place: &str,
@@ -59,7 +61,7 @@ impl Head {
         Ok(Self { name, rows: count, columns, bigmat: !(0..BIGMAT_ROWS).contains(&rows), single, complex })
     }
 
-    /// Layout of a column by its row: 0 stands for sparse strings.
+    /// Layout of a column from the row that the column states; row 0 stands for sparse strings.
     pub(super) fn layout(&self, row: i64) -> Layout {
         match (row, self.bigmat) {
             (1.., _) => Layout::Dense,
@@ -68,17 +70,17 @@ impl Head {
         }
     }
 
-    /// Words that a value takes where words have 4 bytes.
+    /// Number of words of a value where words have 4 bytes.
     pub(super) fn words(&self) -> usize {
         if self.single { 1 } else { 2 }
     }
 
-    /// Numbers that an entry takes.
+    /// Number of values of an entry.
     pub(super) fn parts(&self) -> usize {
         if self.complex { 2 } else { 1 }
     }
 
-    /// Length (in words, the row's own not counted) and row of the string in one word.
+    /// Length in words (the word with length and row not counted) and row, unpacked from the word that holds both.
     pub(super) fn unpack(word: i64) -> (i64, i64) {
         ((word >> 16) - 1, word & 0xffff)
     }
@@ -95,7 +97,7 @@ impl Head {
         let inside = row >= 1
             && count >= 0
             && numbers % self.parts() as i64 == 0
-            // With words of eight bytes the sum of row and count may be beyond what a word holds.
+            // With words of eight bytes, the sum of row and count may exceed the range of a word.
             && (row - 1).saturating_add(count) as u64 <= self.rows;
         if inside {
             return Ok(row as u32 - 1);
@@ -105,7 +107,7 @@ impl Head {
         Err(source.malformed(place, found, format!("a string within {} rows", self.rows)))
     }
 
-    /// The matrix of these entries.
+    /// The matrix with these entries.
     pub(super) fn matrix(self, entries: Vec<Entry>) -> Matrix {
         let (rows, columns) = (self.rows as usize, self.columns as usize);
         Matrix {

@@ -6,7 +6,7 @@ use crate::error::ExchangeError;
 use crate::matrix::{Entry, Matrix};
 use crate::source::Source;
 
-/// Words and numbers of a file.
+/// Byte order and word size of a file.
 #[derive(Debug, Clone, Copy)]
 struct Words {
     big: bool,
@@ -15,7 +15,7 @@ struct Words {
 }
 
 impl Words {
-    /// Found from the length of the first record, the header: 24 bytes of 4-byte words or 48 of 8-byte ones.
+    /// Byte order and word size from the length of the first record, the header: 24 bytes of 4-byte words or 48 bytes of 8-byte words.
     fn of(source: &Source) -> Result<Self, ExchangeError> {
         let first = source.bytes.first_chunk::<4>().copied().unwrap_or_default();
         let lengths = [(u32::from_le_bytes(first), false), (u32::from_be_bytes(first), true)];
@@ -35,7 +35,7 @@ impl Words {
         (if self.big { u32::from_be_bytes(raw) } else { u32::from_le_bytes(raw) }) as usize
     }
 
-    /// Word `at` of some bytes.
+    /// The word with index `at` (from 0) of some bytes.
     fn word(self, bytes: &[u8], at: usize) -> Option<i64> {
         let bytes = bytes.get(at * self.size..)?;
         if self.size == 8 {
@@ -46,7 +46,7 @@ impl Words {
         Some(i64::from(if self.big { i32::from_be_bytes(raw) } else { i32::from_le_bytes(raw) }))
     }
 
-    /// Bytes of a value: words of 8 bytes hold both precisions.
+    /// Bytes of a value: in files of 8-byte words values of both precisions have 8 bytes.
     fn value_size(self, single: bool) -> usize {
         if single { self.size } else { 8 }
     }
@@ -61,7 +61,7 @@ impl Words {
     }
 }
 
-/// Records of the file.
+/// The Fortran records of the file.
 struct Records<'s, 'a> {
     source: &'s Source<'a>,
     words: Words,
@@ -141,7 +141,8 @@ fn matrix(records: &mut Records, head: Head) -> Result<Matrix, ExchangeError> {
             return Ok(head.matrix(entries));
         }
         let data = &record[3 * words.size..];
-        // Whether a value of two words counts as two where words have 8 bytes differs: the record's own length tells.
+        // Programs differ in whether a double-precision value counts as two words where words have 8 bytes: the record's own length shows
+        // where the data end.
         if column < 1 || count < 0 || !(0..=data.len() as i64).contains(&count) {
             let found = format!("column {column} with {count} words in {} bytes", data.len());
             let expected = format!("a column from 1 on, within the record, of matrix {}", head.name);
@@ -152,7 +153,7 @@ fn matrix(records: &mut Records, head: Head) -> Result<Matrix, ExchangeError> {
     }
 }
 
-/// The strings of a column.
+/// The strings of a column: runs of values in consecutive rows.
 struct Strings<'r, 's, 'a> {
     source: &'s Source<'a>,
     words: Words,
@@ -197,7 +198,7 @@ impl Strings<'_, '_, '_> {
         Ok(())
     }
 
-    /// So many values from a row on.
+    /// Reads `count` values from row `row` on.
     fn values(&mut self, [row, count]: [i64; 2], entries: &mut Vec<Entry>) -> Result<(), ExchangeError> {
         let first = self.head.check(self.source, &self.place, self.column as u64, [row, count])?;
         let size = self.words.value_size(self.head.single);

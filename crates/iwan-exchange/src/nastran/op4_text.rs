@@ -6,16 +6,17 @@ use crate::error::ExchangeError;
 use crate::matrix::{Entry, Matrix};
 use crate::source::{Line, Lines, Source, number, quote};
 
-/// Width of the whole numbers in the lines of columns and strings.
+/// Width in characters of the whole numbers in the header lines of columns and strings (a string is a run of values in consecutive rows).
 const WIDTH: usize = 8;
-/// Widest field of a number: Fortran's 1P,1E80 would be wider than a line.
+/// Largest width of a field in characters, and largest number of fields in a line: Fortran's 1P,1E80 would be wider than a line. Formats
+/// beyond it are refused.
 const WIDEST: usize = 80;
 
 /// Lines of numbers in fields of one width.
 struct Reader<'s, 'a> {
     source: &'s Source<'a>,
     lines: Lines<'a>,
-    /// Characters of a value, and values of a line.
+    /// Characters of a value, and number of values in a line.
     width: usize,
     per_line: usize,
 }
@@ -38,7 +39,7 @@ impl<'a> Reader<'_, 'a> {
         self.lines.raw().ok_or_else(|| self.source.ends(expected))
     }
 
-    /// A whole number in columns `from` to `to` of a line.
+    /// The whole number in columns `from` to `to` of a line.
     fn field(&self, line: &Line, [from, to]: [usize; 2], what: &str) -> Result<i64, ExchangeError> {
         let bytes = line.text.get(from..to.min(line.text.len())).unwrap_or_default().trim_ascii();
         std::str::from_utf8(bytes).ok().and_then(|text| text.parse().ok()).ok_or_else(|| {
@@ -64,7 +65,7 @@ impl<'a> Reader<'_, 'a> {
         Head::new(self.source, &line.place(), [columns, rows, form, kind], name)
     }
 
-    /// Values of a line and characters of a value from a Fortran format such as `1P,3E23.16`.
+    /// Number of values in a line, and characters of a value, from a Fortran format such as `1P,3E23.16`.
     fn format(&self, line: &Line, text: &[u8]) -> Result<(usize, usize), ExchangeError> {
         let upper = String::from_utf8_lossy(text).to_ascii_uppercase();
         let body = upper.strip_prefix("1P").unwrap_or(&upper).trim_start_matches(',');
@@ -88,7 +89,7 @@ impl<'a> Reader<'_, 'a> {
             let row = self.field(&line, [WIDTH, 2 * WIDTH], "the row of the column")?;
             let words = self.field(&line, [2 * WIDTH, 3 * WIDTH], "the number of words")?;
             if column > head.columns as i64 {
-                // The column behind the last one carries a value that means nothing.
+                // The column behind the last one carries a value without meaning.
                 self.lines.raw();
                 return Ok(head.matrix(entries));
             }
@@ -132,7 +133,7 @@ impl<'a> Reader<'_, 'a> {
         Ok(())
     }
 
-    /// So many values from a row on.
+    /// Reads `count` values from row `row` on.
     fn values(
         &mut self,
         head: &Head,

@@ -1,4 +1,4 @@
-//! MATLAB: sparse and full matrices of MAT-files of level 5 and 7.3, which iwan-io reads.
+//! MATLAB: sparse and full matrices of MAT-files of level 5 and 7.3; iwan-io reads the file.
 
 use iwan_io::{StoredMatrix, StoredNumbers, mat_matrices};
 
@@ -18,7 +18,7 @@ pub(crate) fn parse(source: &Source) -> Result<Vec<Matrix>, ExchangeError> {
     }
 }
 
-/// A matrix whose entries are inside it, and finite.
+/// The matrix with its entries; an error where an entry lies outside it or is not finite.
 fn checked(source: &Source, stored: StoredMatrix) -> Result<Matrix, ExchangeError> {
     let StoredMatrix { name, rows, columns, numbers, complex } = stored;
     if rows as u64 > MOST_ROWS || columns as u64 > MOST_ROWS {
@@ -36,7 +36,7 @@ fn checked(source: &Source, stored: StoredMatrix) -> Result<Matrix, ExchangeErro
     Ok(Matrix { name, rows, columns, entries, stored: Stored::All, labels: None, complex })
 }
 
-/// Row indices, starts of columns and values.
+/// Entries of a sparse matrix from row indices, starts of columns and values.
 fn sparse(
     indices: &[f64],
     starts: &[f64],
@@ -67,7 +67,7 @@ fn sparse(
     Ok(entries)
 }
 
-/// Column after column.
+/// Entries of a full matrix, stored column after column.
 fn full(
     values: &[f64],
     rows: usize,

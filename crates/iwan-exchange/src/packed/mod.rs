@@ -10,7 +10,7 @@ use iwan_io::ReadError;
 use crate::error::ExchangeError;
 use crate::source::Source;
 
-/// The same refusal in the words of files of matrices.
+/// An error of iwan-io, as an error of a file of matrices.
 fn translated(source: &Source, error: ReadError) -> ExchangeError {
     match error {
         ReadError::Malformed { place, found, expected, .. } => source.malformed(place, found, expected),

@@ -1,7 +1,9 @@
-//! netCDF classic (CDF-1, CDF-2, CDF-5; "NetCDF Classic Format Specification", Unidata): matrices are variables of two dimensions. Sierra/SD writes
-//! Craig-Bampton models so (`CBMODEL ... format = netcdf`): `Kr`, `Mr`, `Cr`, and what their rows are in `cbmap`.
+//! netCDF classic (CDF-1, CDF-2, CDF-5; "NetCDF Classic Format Specification", Unidata): matrices are variables of two dimensions.
+//! Sierra/SD writes Craig-Bampton models in this form (`CBMODEL ... format = netcdf`): `Kr`, `Mr`, `Cr`, and the meaning of their rows in
+//! `cbmap`.
 //!
-//! Own reader of a header and arrays in one piece: the published crate reads from paths only and trusts the sizes in the header.
+//! The reader, of a header and of contiguous arrays, is our own: the published crate reads from paths only and trusts the sizes in the
+//! header.
 
 use iwan_io::{NumberType, Order};
 
@@ -9,17 +11,17 @@ use crate::error::ExchangeError;
 use crate::matrix::{Component, Label, Matrix, Stored};
 use crate::source::{MOST_ROWS, Source};
 
-/// Tags of the lists in a header.
+/// Tags of the lists in a header: dimensions, variables, attributes.
 const DIMENSIONS: u64 = 10;
 const VARIABLES: u64 = 11;
 const ATTRIBUTES: u64 = 12;
 
-/// Whether a file is one of these.
+/// Whether bytes begin as a netCDF classic file does.
 pub(crate) fn is_one(bytes: &[u8]) -> bool {
     matches!(bytes, [b'C', b'D', b'F', 1 | 2 | 5, ..])
 }
 
-/// A variable that has no dimension of records.
+/// A variable without the dimension of records (the dimension that can grow).
 struct Variable<'a> {
     name: String,
     shape: Vec<usize>,
@@ -37,11 +39,11 @@ impl Variable<'_> {
     }
 }
 
-/// Walks over the header.
+/// Reads the header piece by piece.
 struct Header<'s, 'a> {
     source: &'s Source<'a>,
     at: usize,
-    /// Bytes of a count and of an offset.
+    /// Bytes of a count and bytes of an offset, 4 or 8.
     count: usize,
     offset: usize,
 }
@@ -61,7 +63,7 @@ impl<'a> Header<'_, 'a> {
         Ok(self.bytes(length)?.iter().fold(0, |word, byte| word << 8 | u64::from(*byte)))
     }
 
-    /// The number of entries of a list with the tag; 0 where the list is absent.
+    /// The number of entries of a list, whose tag must be `tag`; 0 where the list is absent.
     fn list(&mut self, tag: u64) -> Result<u64, ExchangeError> {
         let (found, count) = (self.word(4)?, self.word(self.count)?);
         if found == tag || (found == 0 && count == 0) {
@@ -71,7 +73,7 @@ impl<'a> Header<'_, 'a> {
         Err(self.source.malformed("the header", found, format!("tag {tag}, or 0 for an empty list")))
     }
 
-    /// Bytes that are padded to four.
+    /// The next `length` bytes; the padding behind them, up to a multiple of four, is passed over.
     fn padded(&mut self, length: u64) -> Result<&'a [u8], ExchangeError> {
         let length = usize::try_from(length).unwrap_or(usize::MAX);
         let piece = self.bytes(length)?;
@@ -117,7 +119,7 @@ impl<'a> Header<'_, 'a> {
     }
 }
 
-/// All variables without a dimension of records; those have one of length 0.
+/// All variables without the dimension of records; the header gives that dimension the length 0.
 fn variables<'a>(source: &Source<'a>) -> Result<Vec<Variable<'a>>, ExchangeError> {
     let (count, offset) = match source.bytes.get(3) {
         Some(1) => (4, 4),
@@ -136,7 +138,7 @@ fn variables<'a>(source: &Source<'a>) -> Result<Vec<Variable<'a>>, ExchangeError
     for _ in 0..header.list(VARIABLES)? {
         all.extend(variable(source, &mut header, &sizes)?);
     }
-    // Variables that lie on each other would be as many matrices as the header names, whatever the file's size.
+    // Variables that overlap in the file would be as many matrices as the header names, whatever the file's size.
     let held: usize = all.iter().map(|v| v.data.len()).sum();
     if held > source.bytes.len() {
         let found = format!("variables of {held} bytes in a file of {}", source.bytes.len());
@@ -181,8 +183,8 @@ fn variable<'a>(
     Ok(Some(Variable { name, shape, kind, data }))
 }
 
-/// What the rows of a Craig-Bampton model are: lines node, component of `cbmap`, both 0 for the coordinate of a fixed-interface mode, which
-/// is called after its row.
+/// The labels of the rows of a Craig-Bampton model: `cbmap` has a line node, component for each row. Both are 0 for the coordinate of a
+/// fixed-interface mode, which then has the number of its row (from 1) as its node.
 fn labels(source: &Source, map: &Variable) -> Result<Vec<Label>, ExchangeError> {
     let label = |row: usize| {
         let (node, number) = (map.at(2 * row), map.at(2 * row + 1));
@@ -204,7 +206,7 @@ fn labels(source: &Source, map: &Variable) -> Result<Vec<Label>, ExchangeError> 
     (0..map.shape[0]).map(label).collect()
 }
 
-/// All matrices of numbers of a netCDF file; square ones have the meaning of their rows where `cbmap` tells it.
+/// All matrices of numbers of a netCDF file; the rows of square matrices are labelled where `cbmap` states their meaning.
 pub(crate) fn parse(source: &Source) -> Result<Vec<Matrix>, ExchangeError> {
     let variables = variables(source)?;
     let map = variables.iter().find(|v| v.name == "cbmap" && v.shape.len() == 2 && v.shape[1] == 2);
@@ -250,7 +252,7 @@ pub(crate) fn parse(source: &Source) -> Result<Vec<Matrix>, ExchangeError> {
     }
 }
 
-/// Positions of nodes as an Exodus file has them: `coordx`, `coordy`, `coordz` and `node_num_map`.
+/// Positions of nodes as an Exodus file stores them: `coordx`, `coordy`, `coordz` and `node_num_map`.
 pub(crate) fn positions(source: &Source) -> Result<Vec<(u64, [f64; 3])>, ExchangeError> {
     let variables = variables(source)?;
     let get = |name: &str| {

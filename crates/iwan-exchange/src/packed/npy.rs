@@ -1,4 +1,4 @@
-//! A dense matrix in a NumPy array, which iwan-io reads.
+//! A dense matrix in a NumPy array; iwan-io reads the array.
 
 use iwan_io::NumpyArray;
 
@@ -7,7 +7,7 @@ use crate::error::ExchangeError;
 use crate::matrix::{Matrix, Stored};
 use crate::source::{MOST_ROWS, Source};
 
-/// The array in `bytes`, called `name` in messages.
+/// The array in `bytes`; messages call it `name`.
 pub(crate) fn array<'a>(
     source: &Source,
     bytes: &'a [u8],
@@ -22,7 +22,7 @@ pub(crate) fn parse(source: &Source) -> Result<Vec<Matrix>, ExchangeError> {
     Ok(vec![dense(source, &array, String::new())?])
 }
 
-/// A dense matrix.
+/// The matrix in an array of two dimensions.
 pub(super) fn dense(source: &Source, array: &NumpyArray, name: String) -> Result<Matrix, ExchangeError> {
     let place = || format!("array '{name}'");
     let [rows, columns] = array.shape[..] else {

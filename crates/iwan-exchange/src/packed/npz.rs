@@ -10,7 +10,7 @@ use crate::error::ExchangeError;
 use crate::matrix::{Entry, Matrix, Stored};
 use crate::source::{MOST_ROWS, Source};
 
-/// All members of the archive, by their names.
+/// All members of the archive: name and bytes.
 pub(crate) fn members(source: &Source) -> Result<BTreeMap<String, Vec<u8>>, ExchangeError> {
     numpy_members(source.file, source.bytes).map_err(|error| translated(source, error))
 }
@@ -29,7 +29,7 @@ impl Parts<'_, '_> {
         })
     }
 
-    /// A whole number below `most`.
+    /// Entry `at` of the array `name`, which must be a whole number from 0 to `most` - 1.
     fn index(&self, name: &str, at: usize, most: usize) -> Result<usize, ExchangeError> {
         let value = self.get(name)?.at(at).unwrap_or(f64::NAN);
         if value >= 0.0 && value.fract() == 0.0 && value < most as f64 {
@@ -104,7 +104,7 @@ pub(crate) fn parse(source: &Source) -> Result<Vec<Matrix>, ExchangeError> {
     }])
 }
 
-/// CSR, or CSC when `by_column`.
+/// Entries of a matrix in compressed rows (CSR), or in compressed columns (CSC) when `by_column`.
 fn compressed(
     parts: &Parts,
     [rows, columns]: [usize; 2],
@@ -137,7 +137,7 @@ fn compressed(
 
 fn coordinates(parts: &Parts, [rows, columns]: [usize; 2]) -> Result<Vec<Entry>, ExchangeError> {
     let count = parts.get("data")?.len();
-    // SciPy 1.13 and later keep both in one array `coords`.
+    // SciPy 1.13 and later store row and column indices in one array `coords`.
     if parts.arrays.contains_key("coords") {
         parts.same_length("coords", 2 * count)?;
         let entry = |at| {

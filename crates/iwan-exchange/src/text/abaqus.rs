@@ -1,7 +1,7 @@
 //! Abaqus matrices: `*MATRIX OUTPUT` as MATRIX INPUT or COORDINATE, and the user element of `*SUBSTRUCTURE MATRIX OUTPUT`.
 //!
-//! MATRIX INPUT has lines `row node, its component, column node, its component, value`, of which the file holds the lower triangle or all
-//! (Abaqus Analysis Guide, "Generating structural matrices"); COORDINATE has lines `row column value`. A substructure is
+//! MATRIX INPUT has lines `row node, its component, column node, its component, value`; the file holds the lower triangle or all entries
+//! (Abaqus Analysis Guide, "Generating structural matrices"). COORDINATE has lines `row column value`. A substructure is
 //! `*USER ELEMENT` with its nodes and components and `*MATRIX, TYPE=STIFFNESS` or `MASS` with the rows of the lower triangle.
 
 use std::collections::HashMap;
@@ -10,7 +10,8 @@ use crate::error::ExchangeError;
 use crate::matrix::{Component, Entry, Label, Matrix, Stored};
 use crate::source::{Line, MOST_ROWS, Source};
 
-/// Largest component: Abaqus numbers displacements 1 to 3, rotations 4 to 6; others (temperatures, pressures) are no motions.
+/// Smallest and largest component. Abaqus numbers displacements 1 to 3 and rotations 4 to 6; larger numbers (temperatures, pressures) are
+/// no motions, and are refused.
 const COMPONENTS: [u64; 2] = [0, 6];
 
 pub(crate) fn parse(source: &Source) -> Result<Vec<Matrix>, ExchangeError> {
@@ -38,7 +39,7 @@ pub(crate) fn parse(source: &Source) -> Result<Vec<Matrix>, ExchangeError> {
     }
 }
 
-/// What follows each label found so far.
+/// The labels found so far, and the row number of each.
 #[derive(Default)]
 struct Rows {
     numbers: HashMap<Label, u32>,
@@ -46,7 +47,8 @@ struct Rows {
 }
 
 impl Rows {
-    /// The number of a label; `last` is the one that stood at this place of the line before, which files sorted by rows or columns repeat.
+    /// The number of a label, which a new label gets here. `last` is the label at the same place of the line before: files sorted by rows
+    /// or columns repeat it, which saves a look-up.
     fn number(&mut self, label: Label, last: &mut Option<(Label, u32)>) -> u32 {
         if let Some((_, number)) = last.filter(|last| last.0 == label) {
             return number;
@@ -60,7 +62,7 @@ impl Rows {
     }
 }
 
-/// Entries that hold both triangles, or one: as both places of one pair are there, or never.
+/// Whether the entries hold both triangles or one: both, if there are entries below and above the diagonal.
 fn stored(entries: &[Entry]) -> Stored {
     let (mut below, mut above) = (false, false);
     for (row, column, _) in entries {
@@ -70,7 +72,7 @@ fn stored(entries: &[Entry]) -> Stored {
     if below && above { Stored::All } else { Stored::Triangle }
 }
 
-/// MATRIX INPUT.
+/// Reads MATRIX INPUT.
 fn labelled(source: &Source) -> Result<Vec<Matrix>, ExchangeError> {
     let (mut rows, mut entries) = (Rows::default(), Vec::new());
     let (mut last_row, mut last_column) = (None, None);
@@ -112,7 +114,7 @@ fn labelled(source: &Source) -> Result<Vec<Matrix>, ExchangeError> {
     }])
 }
 
-/// The labels in ascending order, and the new number of each old one.
+/// The labels in ascending order, and for each old number the new number.
 fn ascending(labels: &[Label]) -> (Vec<Label>, Vec<u32>) {
     let mut order: Vec<u32> = (0..labels.len() as u32).collect();
     order.sort_by_key(|&old| labels[old as usize]);
@@ -121,7 +123,7 @@ fn ascending(labels: &[Label]) -> (Vec<Label>, Vec<u32>) {
     (order.into_iter().map(|old| labels[old as usize]).collect(), map)
 }
 
-/// COORDINATE: `row column value`, from 1.
+/// Reads COORDINATE: lines `row column value`, counted from 1.
 pub(crate) fn coordinates(source: &Source) -> Result<Vec<Matrix>, ExchangeError> {
     let (mut entries, mut most) = (Vec::new(), 0);
     for line in source.lines().filter(|line| !line.text.starts_with(b"*") && !line.text.starts_with(b"%")) {
@@ -149,7 +151,7 @@ pub(crate) fn coordinates(source: &Source) -> Result<Vec<Matrix>, ExchangeError>
     }])
 }
 
-/// A `*KEYWORD` line with what stands behind it, in capitals without blanks.
+/// A line `*KEYWORD` with its parameters, in capitals and without blanks.
 fn keyword(line: &Line) -> String {
     let text = String::from_utf8_lossy(line.text).to_ascii_uppercase();
     text.chars().filter(|c| !c.is_whitespace()).collect()
@@ -160,7 +162,7 @@ fn parameter<'k>(keyword: &'k str, name: &str) -> Option<&'k str> {
     keyword.split(',').find_map(|field| field.strip_prefix(name)?.strip_prefix('='))
 }
 
-/// The user element of a substructure: nodes, components, and lower triangles row by row.
+/// Reads the user element of a substructure: nodes, components, and lower triangles row by row.
 fn substructure(source: &Source) -> Result<Vec<Matrix>, ExchangeError> {
     let mut lines = source.lines().peekable();
     let (mut nodes, mut labels, mut matrices) = (Vec::new(), Vec::<Label>::new(), Vec::new());
@@ -175,7 +177,7 @@ fn substructure(source: &Source) -> Result<Vec<Matrix>, ExchangeError> {
             data.push(next);
         }
         if head.starts_with("*USERELEMENT") {
-            // Rows of one element are never those of another, and a comment of nodes does not say which element it is about.
+            // Rows of one element do not belong to another, and a comment of nodes does not say to which element it belongs.
             if !labels.is_empty() {
                 return Err(source.unsupported(
                     line.place(),
@@ -192,7 +194,7 @@ fn substructure(source: &Source) -> Result<Vec<Matrix>, ExchangeError> {
         }
     }
     for label in &mut labels {
-        // Positions in the element become numbers of nodes where the file says which nodes these are.
+        // Positions in the element are replaced by numbers of nodes where the file states which nodes these are.
         if label.component != Component::Scalar
             && let Some(node) = nodes.get(label.node as usize - 1)
         {
@@ -208,7 +210,8 @@ fn substructure(source: &Source) -> Result<Vec<Matrix>, ExchangeError> {
     Ok(matrices)
 }
 
-/// Nodes of the element in a comment `** ELEMENT NODES`, the lines of numbers behind it.
+/// The numbers of a comment line; behind a comment `** ELEMENT NODES` they are the nodes of the element. Empty where anything else stands
+/// in the line.
 fn commented_nodes(line: &Line) -> Vec<u64> {
     let text = line.text.trim_ascii_start();
     let body = text.strip_prefix(b"**").unwrap_or(text);
@@ -218,11 +221,12 @@ fn commented_nodes(line: &Line) -> Vec<u64> {
     numbers.unwrap_or_default()
 }
 
-/// Rows of the element from the lines under `*USER ELEMENT`: `components of the first nodes`, then `position, components` where they change.
+/// Rows of the element from the lines under `*USER ELEMENT`: first the components of the first nodes, then `position, components` where the
+/// components change.
 fn degrees(source: &Source, head: &Line, data: &[Line]) -> Result<Vec<Label>, ExchangeError> {
     let keyword = keyword(head);
     let count = parameter(&keyword, "NODES").unwrap_or_default();
-    // Each node takes a byte of the file at least, with or without a line of its own.
+    // Each node takes at least one byte of the file, with or without a line of its own.
     let count = source.whole(head, count.as_bytes(), [1, source.bytes.len() as u64], "NODES")?;
     let mut changes: Vec<(u64, Vec<u64>)> = Vec::new();
     for (n, line) in data.iter().enumerate() {
@@ -255,7 +259,7 @@ fn degrees(source: &Source, head: &Line, data: &[Line]) -> Result<Vec<Label>, Ex
     Ok(labels)
 }
 
-/// Nodes of the first element under `*ELEMENT`, its number left out.
+/// Nodes of the first element under `*ELEMENT`, without the element's number.
 fn element_nodes(source: &Source, data: &[Line]) -> Result<Vec<u64>, ExchangeError> {
     let mut nodes = Vec::new();
     for line in data {
@@ -266,7 +270,7 @@ fn element_nodes(source: &Source, data: &[Line]) -> Result<Vec<u64>, ExchangeErr
     Ok(nodes.into_iter().skip(1).collect())
 }
 
-/// The rows of a lower triangle one after another.
+/// A matrix from the rows of its lower triangle, one after another.
 fn lower(
     source: &Source,
     head: &Line,

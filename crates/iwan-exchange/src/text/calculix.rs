@@ -12,7 +12,7 @@ pub(crate) fn parse(source: &Source) -> Result<Vec<Matrix>, ExchangeError> {
     coordinates(source)
 }
 
-/// The rows of a `.dof` file.
+/// The labels of the rows in a `.dof` file.
 pub(crate) fn rows(source: &Source) -> Result<Vec<Label>, ExchangeError> {
     source.lines().map(|line| row(source, &line)).collect()
 }

@@ -6,7 +6,7 @@ use crate::error::ExchangeError;
 use crate::matrix::{Matrix, Stored};
 use crate::source::{Line, MOST_ROWS, Source};
 
-/// What the first line says.
+/// What the first line states about the matrix.
 struct Banner {
     dense: bool,
     stored: Stored,

@@ -43,7 +43,7 @@ pub(crate) fn parse(source: &Source) -> Result<Vec<Matrix>, ExchangeError> {
         return Err(source.ends(expected));
     }
     let Some(order) = order else { return Err(source.ends("NumRows = ...")) };
-    // NumRows may stand behind the entries too, which are then read without it.
+    // NumRows may also stand behind the entries; these are then read before the number of rows is known, and checked here.
     if let Some((row, column, _)) = entries.iter().find(|e| u64::from(e.0.max(e.1)) >= order) {
         let found = format!("an entry in row {} and column {}", row + 1, column + 1);
         return Err(source.malformed("the entries", found, format!("numbers from 1 to NumRows = {order}")));
@@ -52,7 +52,7 @@ pub(crate) fn parse(source: &Source) -> Result<Vec<Matrix>, ExchangeError> {
     Ok(vec![Matrix { name, rows: order, columns: order, entries, stored, labels: None, complex: false }])
 }
 
-/// What is wrong with a file that begins a second matrix.
+/// The error of a file that begins a second matrix.
 fn one_matrix(source: &Source, line: &Line) -> ExchangeError {
     source.unsupported(
         line.place(),
@@ -70,7 +70,7 @@ fn entry(source: &Source, line: &Line, most: u64) -> Result<(u32, u32, f64), Exc
     Ok((row as u32 - 1, column as u32 - 1, source.number(line, value, "the value")?))
 }
 
-/// The vector of a file of lines `x(i) = value;`; what is not there is 0.
+/// The vector in a file of lines `x(i) = value;`; entries without a line are 0.
 fn vector(source: &Source) -> Result<Vec<u64>, ExchangeError> {
     let mut out: Vec<u64> = Vec::new();
     for line in source.lines() {
@@ -78,8 +78,8 @@ fn vector(source: &Source) -> Result<Vec<u64>, ExchangeError> {
         let Some(rest) = text.strip_prefix(b"x(") else { continue };
         let bad = || source.malformed(line.place(), line.quoted(), "x(INDEX) = VALUE;");
         let close = rest.iter().position(|b| *b == b')').ok_or_else(bad)?;
-        // Entries that are not there are zero: a component that is no unknown. A node has one at least, so that no more than so many
-        // zeros stand between two entries, and memory stays within that of the file.
+        // Entries without a line are zero: such a component is no unknown. Every node has at least one entry, so that the number of zeros
+        // between two entries is limited, and the memory stays within a multiple of the file's size.
         let most = (out.len() + 4 * PER_NODE) as u64;
         let index =
             source.whole(&line, &rest[..close], [out.len() as u64 + 1, most], "the index, ascending")?;
@@ -94,12 +94,13 @@ fn vector(source: &Source) -> Result<Vec<u64>, ExchangeError> {
     Ok(out)
 }
 
-/// The rows: entry 9 n + c of the map is the row (from 1) of component c of node n, or 0; `numbers` are the numbers of the nodes.
+/// The labels of the rows. Entry 9 n + c of the map is the row (from 1) of component c of node n, or 0; `numbers` holds the numbers of the
+/// nodes.
 pub(crate) fn rows(map: &Source, numbers: Option<&Source>) -> Result<Vec<Label>, ExchangeError> {
     let entries = vector(map)?;
     let numbers = numbers.map(vector).transpose()?;
     let rows = entries.iter().copied().max().unwrap_or(0) as usize;
-    // Each row is an entry of the map: a larger number leaves others without a meaning.
+    // Each row is an entry of the map: a row number above the number of entries leaves other rows without a label.
     let mut labels = vec![None; rows.min(entries.len())];
     for (at, &row) in entries.iter().enumerate().filter(|(_, row)| **row > 0) {
         let (node, component) = (at / PER_NODE, at % PER_NODE);

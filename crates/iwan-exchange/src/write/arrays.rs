@@ -1,4 +1,4 @@
-//! Dense arrays of numbers in an NPZ archive, and back with the same bits.
+//! Writes dense arrays of numbers to an NPZ archive, and reads them again with the same bits.
 
 use std::collections::BTreeMap;
 use std::io::{self, Cursor, Write};
@@ -11,26 +11,27 @@ use crate::packed::npy::array;
 use crate::packed::npz::members;
 use crate::source::Source;
 
-/// Values from which on a member is written with 64-bit sizes: 2 GiB, half of what 32-bit sizes can tell, so that its header has room.
+/// Number of values above which a member is written with 64-bit sizes: 2 GiB, half of what 32-bit sizes can express, so that its header has
+/// room.
 const ZIP32: usize = 1 << 28;
-/// Values that are turned into bytes at once, 32 KiB, so that no second copy of an array is made.
+/// Number of values that are turned into bytes at once, 32 KiB, so that no second copy of an array is made.
 const CHUNK: usize = 1 << 12;
 
-/// An array to be written: rows one after the other.
+/// An array to be written; values are in rows, one row after the other.
 #[derive(Debug, Clone, Copy)]
 pub struct ArrayRef<'a> {
-    /// Its name in the archive.
+    /// The array's name in the archive.
     pub name: &'a str,
-    /// Sizes; their product is the number of values.
+    /// Size of each dimension; the product of the sizes is the number of values.
     pub shape: &'a [usize],
     /// Values.
     pub values: &'a [f64],
 }
 
-/// An array that was read: rows one after the other.
+/// An array that was read; values are in rows, one row after the other.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StoredArray {
-    /// Sizes.
+    /// Size of each dimension.
     pub shape: Vec<usize>,
     /// Values.
     pub values: Vec<f64>,
@@ -63,7 +64,7 @@ pub fn arrays_to_npz(sink: impl Write + io::Seek, arrays: &[ArrayRef<'_>]) -> io
     Ok(())
 }
 
-/// Begins a member with its NPY header of format version 1 (`numpy.lib.format`).
+/// Begins a member of an archive with its NPY header of format version 1 (`numpy.lib.format`).
 pub(super) fn start<W: Write + io::Seek>(
     archive: &mut zip::ZipWriter<W>,
     name: &str,
@@ -76,7 +77,7 @@ pub(super) fn start<W: Write + io::Seek>(
     let sizes: Vec<String> = shape.iter().map(|size| format!("{size}, ")).collect();
     let sizes = sizes.concat();
     let mut text = format!("{{'descr': '{descr}', 'fortran_order': False, 'shape': ({sizes}), }}");
-    // Magic, version and length take ten bytes; the data begin at a multiple of 64.
+    // Magic string, version and length take ten bytes; the data begin at a multiple of 64 bytes.
     let length = (10 + text.len() + 1).next_multiple_of(64) - 10;
     text.push_str(&" ".repeat(length - 1 - text.len()));
     text.push('\n');
@@ -118,7 +119,7 @@ pub fn read_arrays(path: impl AsRef<Path>) -> Result<BTreeMap<String, StoredArra
     Ok(out)
 }
 
-/// An archive in memory.
+/// The bytes of an archive that `fill` writes in memory.
 pub(super) fn in_memory(
     fill: impl FnOnce(&mut zip::ZipWriter<Cursor<Vec<u8>>>) -> io::Result<()>,
 ) -> io::Result<Vec<u8>> {

@@ -1,17 +1,17 @@
-//! Both triangles of a matrix, column by column: what MATLAB and SciPy keep.
+//! Both triangles of a matrix, column by column: the form that MATLAB and SciPy store.
 
 use crate::matrix::{Matrix, Stored};
 
 /// Compressed columns.
 pub(super) struct Columns {
-    /// For each column where its entries begin, and behind the last one where they end.
+    /// For each column the index of its first entry, and last the number of entries.
     pub(super) starts: Vec<u32>,
     pub(super) rows: Vec<u32>,
     pub(super) values: Vec<f64>,
 }
 
 impl Columns {
-    /// Of a matrix of fewer than 2^31 entries, whose entries at one place add up; none where there are more.
+    /// The columns of a matrix, with entries at one place added up; none for 2^31 entries and more.
     pub(super) fn of(matrix: &Matrix) -> Option<Self> {
         let mirrored = matrix.stored == Stored::Triangle;
         let both = |&(i, j, v): &(u32, u32, f64)| {

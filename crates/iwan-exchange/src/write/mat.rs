@@ -5,16 +5,16 @@ use std::io;
 use super::columns::Columns;
 use crate::matrix::Matrix;
 
-/// Types of data elements.
+/// Type codes of data elements.
 const INT8: u32 = 1;
 const INT32: u32 = 5;
 const UINT32: u32 = 6;
 const DOUBLE: u32 = 9;
 const MATRIX: u32 = 14;
-/// Class of sparse arrays.
+/// Class code of sparse arrays.
 const SPARSE: u32 = 5;
 
-/// Matrices as one file that `load` reads, each a sparse variable called by its name, with both triangles.
+/// Matrices as one file for MATLAB's `load`: each is a sparse variable with the matrix's name, and holds both triangles.
 ///
 /// # Errors
 /// For a matrix of 4 GB and more, which the format cannot hold.
@@ -37,7 +37,7 @@ pub fn to_mat(matrices: &[Matrix]) -> io::Result<Vec<u8>> {
         let too_large = || io::Error::other(format!("matrix {}: 4 GB and more", matrix.name));
         let columns = Columns::of(matrix).ok_or_else(too_large)?;
         let count = columns.values.len();
-        // A column without entries still wants room for one, as MATLAB itself writes it.
+        // A matrix without entries still reserves room for one, as MATLAB itself writes it.
         let room = u32::try_from(count.max(1)).map_err(|_| too_large())?;
         let mut body = Vec::new();
         element(&mut body, UINT32, [SPARSE, room].iter().flat_map(|w| w.to_le_bytes()));
@@ -55,13 +55,13 @@ pub fn to_mat(matrices: &[Matrix]) -> io::Result<Vec<u8>> {
     Ok(file)
 }
 
-/// A data element, filled up to a multiple of eight bytes.
+/// Appends a data element, filled up to a multiple of eight bytes.
 fn element(into: &mut Vec<u8>, kind: u32, data: impl Iterator<Item = u8>) {
     into.extend(kind.to_le_bytes());
     let at = into.len();
     into.extend([0; 4]);
     into.extend(data);
-    // Longer ones are found out by the length of the whole.
+    // Lengths beyond 32 bits are detected later, from the length of the whole body.
     let length = (into.len() - at - 4) as u32;
     into[at..at + 4].copy_from_slice(&length.to_le_bytes());
     into.resize(into.len().next_multiple_of(8), 0);

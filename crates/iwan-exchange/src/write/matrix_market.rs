@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use crate::matrix::{Matrix, Stored};
 
-/// A matrix as Matrix Market text, each number with as many digits as bring its bits back; `comment` stands in the lines below the first.
+/// A matrix as Matrix Market text, each number with enough digits to restore its bits; `comment` stands in the lines below the first.
 ///
 /// ```
 /// use iwan_exchange::{Matrix, Stored, read_bytes, to_matrix_market};
@@ -25,7 +25,7 @@ pub fn to_matrix_market(matrix: &Matrix, comment: &str) -> String {
     }
     let _ = writeln!(text, "{} {} {}", matrix.rows, matrix.columns, matrix.entries.len());
     for &(i, j, value) in &matrix.entries {
-        // The format's symmetric matrices hold the lower triangle.
+        // Symmetric matrices of this format hold the lower triangle.
         let (i, j) = if matrix.stored == Stored::Triangle { (i.max(j), i.min(j)) } else { (i, j) };
         let _ = writeln!(text, "{} {} {value:e}", i + 1, j + 1);
     }

@@ -15,8 +15,8 @@ pub(crate) const CORNERS: [[f64; 3]; 8] = [
     [0.0, 1.0, 1.0],
 ];
 
-/// Edges whose middles are the nodes 8 to 19 of Abaqus' C3D20 (Abaqus Elements Guide, "Three-dimensional solid element library") and
-/// of VTK's quadratic hexahedron ("VTK File Formats", cell type 25): what `Shape::edges` must say.
+/// Edges whose middles are the nodes 8 to 19 of Abaqus' C3D20 (Abaqus Elements Guide, "Three-dimensional solid element library") and of
+/// VTK's quadratic hexahedron ("VTK File Formats", cell type 25); `Shape::edges` must give the same.
 pub(crate) const EDGES: [(usize, usize); 12] =
     [(0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6), (6, 7), (7, 4), (0, 4), (1, 5), (2, 6), (3, 7)];
 
@@ -30,7 +30,7 @@ pub(crate) fn hex20(edges: &[(usize, usize); 12]) -> Vec<[f64; 3]> {
     CORNERS.iter().copied().chain(edges.iter().map(middle)).collect()
 }
 
-/// How the numbers of a MSH file are written.
+/// How the numbers of an MSH file are written.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Encoding {
     Ascii,
@@ -109,7 +109,7 @@ impl Msh {
         self
     }
 
-    /// One element on `points` numbered from 11, as volume 1 in the groups 5 "block" and 6 without a name, its bottom as
+    /// A file of one element on `points`, numbered from 11: as volume 1 in the groups 5 "block" and 6 without a name, and its bottom as
     /// surface 2 in the group 7 "bottom face".
     pub(crate) fn block(encoding: Encoding, points: &[[f64; 3]], kind: i32) -> Self {
         let mut msh = Self::new(encoding);
@@ -190,7 +190,7 @@ pub(crate) fn wedge15(edges: &[(usize, usize); 9]) -> Vec<[f64; 3]> {
 /// Edges whose middles are the nodes 4 to 9 of Abaqus' C3D10, and Gmsh's order of them (Gmsh reference manual, "Node ordering").
 pub(crate) const TET_EDGES: [(usize, usize); 6] = [(0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3)];
 pub(crate) const GMSH_TET_EDGES: [(usize, usize); 6] = [(0, 1), (1, 2), (2, 0), (3, 0), (3, 2), (3, 1)];
-/// The same of the nodes 6 to 14 of C3D15 and of Gmsh's prism.
+/// The same for the nodes 6 to 14 of C3D15 and of Gmsh's prism.
 pub(crate) const WEDGE_EDGES: [(usize, usize); 9] =
     [(0, 1), (1, 2), (2, 0), (3, 4), (4, 5), (5, 3), (0, 3), (1, 4), (2, 5)];
 pub(crate) const GMSH_WEDGE_EDGES: [(usize, usize); 9] =

@@ -11,12 +11,12 @@ const TETRAHEDRA: &[&[usize]] =
 /// Two wedges.
 const WEDGES: &[&[usize]] = &[&[0, 1, 2, 4, 5, 6], &[0, 2, 3, 4, 6, 7]];
 
-/// Cuts all bricks into tetrahedra or wedges, whether the shape has mid-edge nodes or not; bricks stay bricks.
+/// Cuts all bricks into tetrahedra or wedges, for shapes with and without mid-edge nodes; bricks stay bricks.
 pub(crate) fn cut(mesh: &mut Mesh, shape: Shape) {
     some_cut(mesh, shape, |_| true);
 }
 
-/// Cuts columns of bricks whose number in the lowest layer is `chosen`, so that pieces of neighbours fit.
+/// Cuts the columns of bricks whose number in the lowest layer is `chosen`, such that the pieces of neighbouring bricks fit together.
 pub(crate) fn some_cut(mesh: &mut Mesh, shape: Shape, chosen: impl Fn(usize) -> bool) {
     let (pieces, shape) = match shape.corners() {
         4 => (TETRAHEDRA, Shape::Tet4),
@@ -41,7 +41,7 @@ pub(crate) fn some_cut(mesh: &mut Mesh, shape: Shape, chosen: impl Fn(usize) -> 
     mesh.elements = (1..).zip(elements).map(label).collect();
 }
 
-/// Gives all edges nodes in their middles if `shape` has them.
+/// Adds a node in the middle of every edge if `shape` has such nodes.
 pub(crate) fn with_middles(mesh: &mut Mesh, shape: Shape) {
     if !shape.has_middles() {
         return;

@@ -1,4 +1,4 @@
-//! Ring-downs of random joints such as measured structures have, in white noise.
+//! Ring-downs, in white noise, of random joints in the range of measured structures.
 
 use std::f64::consts::TAU;
 
@@ -7,14 +7,14 @@ use iwan_ident::{Error, Parameters};
 
 use super::random::{between, normal, scale};
 
-/// A record and what made it.
+/// A record and the parameters from which it was made.
 pub(crate) struct MadeRecord {
     pub(crate) truth: Parameters,
     pub(crate) dt: f64,
     pub(crate) samples: Vec<f64>,
 }
 
-/// A joint as measured structures have them.
+/// A joint in the range of measured structures.
 pub(crate) fn moderate(random: &mut SplitMix64, frequency: f64) -> Parameters {
     Parameters {
         frequency,
@@ -26,7 +26,7 @@ pub(crate) fn moderate(random: &mut SplitMix64, frequency: f64) -> Parameters {
     }
 }
 
-/// Acceleration after a release from rest at a displacement.
+/// Acceleration after a release from rest at a given displacement.
 pub(crate) fn ring_down(
     truth: &Parameters,
     displacement: f64,
@@ -47,7 +47,7 @@ pub(crate) fn phi_max(truth: &Parameters) -> Result<f64, Error> {
     Ok(truth.model()?.1.phi_max())
 }
 
-/// Adds noise of so many decibels below the root mean square; none of it for infinitely many.
+/// Adds noise with a root mean square of `decibels` below that of the samples; none for infinitely many decibels.
 pub(crate) fn add_noise(samples: &mut [f64], decibels: f64, random: &mut SplitMix64) {
     if decibels.is_finite() {
         let mean_square = samples.iter().map(|x| x * x).sum::<f64>() / samples.len() as f64;
@@ -58,7 +58,8 @@ pub(crate) fn add_noise(samples: &mut [f64], decibels: f64, random: &mut SplitMi
     }
 }
 
-/// A joint of 1 to 30 % of the stiffness, released at 0.1 to 2 φ_max, 40 to 400 cycles, in noise of so many decibels below the record's root mean square.
+/// A joint of 1 to 30 % of the stiffness, released at 0.1 to 2 φ_max, 40 to 400 cycles, in noise of `decibels` below the record's root mean
+/// square.
 pub(crate) fn in_noise(seed: u64, decibels: f64) -> Result<MadeRecord, Error> {
     let mut random = SplitMix64::new(5000 + seed);
     let frequency = scale(&mut random, 20.0, 1000.0);

@@ -1,4 +1,4 @@
-//! Ring-downs of every law, by time steps and half cycles: forward models that share nothing with the averaging of the fit.
+//! Ring-downs of every law, by time steps and by half cycles: forward models that share nothing with the averaging in the fit.
 #![allow(
     dead_code,
     clippy::unwrap_used,
@@ -20,7 +20,7 @@ use iwan_core::{
 pub(crate) use random::normal;
 use random::{between, scale};
 
-/// A record with what it was made of.
+/// A record, and the law and parameters from which it was made.
 pub(crate) struct Simulated {
     /// Displacement.
     pub(crate) samples: Vec<f64>,
@@ -49,7 +49,7 @@ pub(crate) const LAWS: [&str; 16] = [
     "iwan-duffing",
 ];
 
-/// What a mode is made of.
+/// The parts of a mode's law.
 struct Made {
     frequency: f64,
     damping_ratio: f64,
@@ -57,13 +57,13 @@ struct Made {
     truth: Vec<(&'static str, f64)>,
 }
 
-/// Parts of a law with parameters that show in a ring-down of some hundred cycles from the amplitude 1: at that amplitude
-/// each damper makes a part of 0.3 % of damping and a spring shifts the frequency by a tenth of a per cent to some per cent.
+/// Parts of a law whose parameters show in a ring-down of some hundred cycles from amplitude 1: at that amplitude each damper contributes a
+/// damping ratio of about 0.3 %, and a spring shifts the frequency by a tenth of a per cent to some per cent.
 fn made(law: &str, random: &mut SplitMix64) -> Made {
     let frequency = scale(random, 20.0, 500.0);
     let (omega, zeta) = (TAU * frequency, scale(random, 1e-3, 4e-3));
     let mut out = Made { frequency, damping_ratio: zeta, parts: vec![], truth: vec![] };
-    // A damper that brings a damping ratio at amplitude 1.
+    // A damper that contributes this damping ratio at amplitude 1.
     let damper = |part: Part, ratio: f64| ratio * TAU * omega * omega / part.dissipation(1.0, omega);
     let mut add = |part: Part, named: &[(&'static str, f64)]| {
         out.parts.push(part);
@@ -108,7 +108,7 @@ pub(crate) fn ring_down(law: &str, seed: u64) -> Simulated {
     let mut random = SplitMix64::new(77 + 1000 * seed);
     let Made { frequency, damping_ratio, parts, mut truth } = made(law, &mut random);
     let per_cycle = between(&mut random, 12.0, 40.0);
-    // Two decades of a viscous decay.
+    // The record is as long as a viscous decay over two decades.
     let cycles = (scale(&mut random, 2.5, 4.6) / (TAU * damping_ratio)).min(500.0);
     let (dt, count) = (1.0 / (frequency * per_cycle), (cycles * per_cycle) as usize);
     let k = (TAU * frequency).powi(2);
@@ -143,7 +143,7 @@ pub(crate) fn ring_down(law: &str, seed: u64) -> Simulated {
     Simulated { samples, dt, truth }
 }
 
-/// Noise of so many decibels below the first cycle's amplitude, as a standard deviation.
+/// The record with noise whose standard deviation is `decibels` below the amplitude of the first cycle.
 pub(crate) fn noisy(clean: &Simulated, decibels: f64, seed: u64) -> Vec<f64> {
     let mut random = SplitMix64::new(0xabcd_0123 ^ (seed << 8));
     let top = clean.samples.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
@@ -155,7 +155,7 @@ fn buffers(count: usize) -> [Vec<f64>; 4] {
     std::array::from_fn(|_| vec![0.0; count])
 }
 
-/// Displacement after release from rest at amplitude 1, by time steps of a fraction of `dt`.
+/// Displacement after release from rest at amplitude 1, by time steps that are a fraction of `dt`.
 fn stepped<B: Backbone>(
     mode: &Oscillator,
     joint: Option<&B>,

@@ -1,22 +1,23 @@
-//! A mode whose joint is cut into few sliders, under a hammer blow: the law of a fit is the continuum, which such a record is not.
+//! A mode whose joint consists of few sliders, under a hammer blow. The fit's law is the continuum, which does not describe such a record
+//! exactly.
 
 use iwan_core::{
     Error, FourParameter, Grid, Newmark, Oscillator, Pulse, ResidualStiffness, Run, Samples, Slider, Sliders,
 };
 use iwan_ident::Parameters;
 
-/// README's mode.
+/// The mode of the README.
 pub(crate) const README: Parameters =
     Parameters { frequency: 124.0, damping_ratio: 2.5e-4, k_t: 4.45e4, f_s: 239.4, chi: -0.183, beta: 0.3 };
-/// Its mode shape at the hammer.
+/// The mode's shape at the hammer.
 const SHAPE: f64 = 23.5;
 /// Time step, s.
 pub(crate) const STEP: f64 = 1e-5;
 
-/// Acceleration in so many `seconds` from the blow on, of a haversine of this amplitude on a joint of so many sliders.
+/// Acceleration over `seconds` from the begin of a haversine blow of this amplitude, on a joint of this number of sliders.
 ///
 /// # Errors
-/// As the stepper's.
+/// Errors of the time stepper.
 pub(crate) fn blow(sliders: usize, amplitude: f64, seconds: f64) -> Result<Vec<f64>, Error> {
     let joint = FourParameter::new(README.k_t, README.f_s, README.chi, README.beta)?;
     let (frequency, zeta) = (README.frequency, README.damping_ratio);

@@ -1,4 +1,4 @@
-//! Ring-downs of random joints without noise, from hardly softening modes to those that lose half of their frequency.
+//! Ring-downs of random joints without noise, from modes that hardly soften to modes that lose half of their frequency.
 
 use std::f64::consts::TAU;
 
@@ -8,7 +8,7 @@ use iwan_ident::{Error, Parameters};
 use super::in_noise::{MadeRecord, phi_max, ring_down};
 use super::random::{between, scale};
 
-/// A joint from 5 % to three times the residual stiffness, released at 0.2 to 4 φ_max, 20 to 500 cycles of 10 to 100 samples, without noise.
+/// A joint of 5 % to three times the residual stiffness, released at 0.2 to 4 φ_max, 20 to 500 cycles of 10 to 100 samples, without noise.
 pub(crate) fn softening(seed: u64) -> Result<MadeRecord, Error> {
     let mut random = SplitMix64::new(1000 + seed);
     let frequency = scale(&mut random, 20.0, 1000.0);

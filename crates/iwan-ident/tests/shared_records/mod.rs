@@ -1,4 +1,4 @@
-//! Two modes that share one joint, in the continuum: a memory that the fit does not have.
+//! Two modes that share one joint, simulated in the continuum: a memory that the fit does not use.
 #![allow(clippy::unwrap_used, reason = "shared by several programs; a failed test may panic and say why")]
 
 use iwan_core::{
@@ -6,22 +6,22 @@ use iwan_core::{
     OneJoint, Oscillator, Pulse, ResidualStiffness, Reversal, TabledFourParameter,
 };
 
-/// Modes with their joint stuck, and the joint.
+/// Modes with their joint stuck, and the law of the joint.
 pub(crate) struct Pair {
     pub(crate) frequencies: [f64; 2],
     pub(crate) damping_ratio: f64,
-    /// At the load.
+    /// Mode shapes at the load.
     pub(crate) shapes: [f64; 2],
     /// K_T, F_S, χ and β.
     pub(crate) law: [f64; 4],
-    /// Of the second mode; that of the first is 1.
+    /// Slip of the joint in the second mode; in the first it is 1.
     pub(crate) slip: f64,
     /// Compliance times K_T.
     pub(crate) compliance: f64,
 }
 
 impl Pair {
-    /// Accelerations of both modes under a blow from rest, and the force, at so many instants `dt` apart.
+    /// Accelerations of both modes under a blow from rest, and the force, at `count` instants `dt` apart.
     pub(crate) fn struck(&self, blow: &Pulse<'_>, dt: f64, count: usize) -> ([Vec<f64>; 2], Vec<f64>) {
         let force: Vec<f64> = (0..count).map(|n| blow.at(n as f64 * dt)).collect();
         let modes = [0, 1].map(|r| {

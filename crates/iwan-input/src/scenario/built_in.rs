@@ -1,19 +1,19 @@
-//! The scenarios that are built in, and the schema of the format.
+//! The built-in scenarios, and the schema of scenario files.
 
 use crate::text::InputText;
 
-/// A scenario that is built in.
+/// A built-in scenario.
 #[derive(Debug)]
 pub struct BuiltIn {
     /// Name on the command line.
     pub name: &'static str,
-    /// What it shows, in one line.
+    /// What the scenario shows, in one line.
     pub about: &'static str,
-    /// The file.
+    /// The text of the file.
     pub text: &'static str,
 }
 
-/// All of them, the default first.
+/// All built-in scenarios, the default first.
 static ALL: &[BuiltIn] = &[
     BuiltIn {
         name: "paper-modal",
@@ -37,7 +37,7 @@ pub fn built_in() -> &'static [BuiltIn] {
 }
 
 impl BuiltIn {
-    /// The text with its name, for reading.
+    /// The text with the scenario's name, ready to be read.
     #[must_use]
     pub fn source(&self) -> InputText {
         InputText::built_in(self.name, self.text)

@@ -1,4 +1,4 @@
-//! `curves` of a mode: frequency and damping ratio against amplitude, in place or from a file.
+//! `curves` of a mode: frequency and damping ratio against amplitude, in the scenario itself or in a file.
 
 use std::path::Path;
 
@@ -11,7 +11,7 @@ use crate::text::InputText;
 /// Keys of the table.
 pub(crate) const KEYS: &[&str] = &["amplitude", "frequency", "damping_ratio", "path", "extrapolate"];
 
-/// The three columns.
+/// Names of the three columns.
 const COLUMNS: [&str; 3] = ["amplitude", "frequency", "damping_ratio"];
 
 /// Reads and checks the curves of a mode.
@@ -47,7 +47,7 @@ pub(super) fn read(source: &InputText, mode: &Section<'_>) -> Result<Curves, Inp
     Ok(curves.extrapolating(extrapolate))
 }
 
-/// The three columns of a text file, or what is wrong with it and what helps.
+/// The three columns of a text file; the error is a message and a remedy.
 fn columns(path: &Path) -> Result<[Vec<f64>; 3], (String, String)> {
     let remedy = "give a text file of three columns: modal amplitude, frequency in Hz, damping ratio";
     let shown = path.display();

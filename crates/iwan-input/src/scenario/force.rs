@@ -23,7 +23,7 @@ pub(crate) const KINDS: &[TableKind] = &[
 /// A force history.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Force {
-    /// One of the formulas of the library, under its name in the scenario.
+    /// A formula of the library, with its name in the scenario.
     Formula(&'static str, Pulse<'static>),
     /// Samples from a file.
     File(ForceFile),
@@ -32,13 +32,13 @@ pub enum Force {
 /// A force history from a file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ForceFile {
-    /// The file's bytes, handed on with the results so that the run can be repeated.
+    /// The file's bytes, which are written beside the results so that the run can be repeated.
     pub bytes: Vec<u8>,
     /// Time between the samples, s.
     pub dt: f64,
-    /// The samples from t = 0.
+    /// The samples, the first at t = 0.
     pub samples: Vec<f64>,
-    /// What the user should know about the reading.
+    /// Remarks on how the file was read.
     pub notes: Vec<String>,
 }
 
@@ -52,7 +52,7 @@ impl Force {
         }
     }
 
-    /// Reads and checks the table; `step` is the time step, on which uneven samples are interpolated.
+    /// Reads and checks the table; `step` is the time step in s, at which uneven samples are interpolated.
     pub(super) fn read(
         source: &InputText,
         section: &Section<'_>,
@@ -85,7 +85,7 @@ impl Force {
         Ok(Self::Formula(kind.name, pulse))
     }
 
-    /// The same history with another amplitude; none for forces that have none.
+    /// The same history with another amplitude; none where the kind of force has no amplitude.
     pub(super) fn with_amplitude(self, value: f64) -> Option<Self> {
         let Self::Formula(name, mut pulse) = self else { return None };
         match &mut pulse {
@@ -148,8 +148,9 @@ fn read_file(path: &Path, step: f64) -> Result<ForceFile, InputError> {
     Ok(ForceFile { bytes, dt, samples, notes })
 }
 
-/// Times this share of a step beside n·dt count as n·dt: times printed with few digits are rounded, and a shift by so little changes
-/// the force by less than a thousandth of what changes it within a step. The reader of records allows as much.
+/// Largest distance of a time from n·dt, as a share of the step dt, at which the time counts as n·dt. Times printed with few digits are
+/// rounded, and such a small shift changes the force by less than a thousandth of its change within a step. The reader of records allows as
+/// much.
 const ROUNDING: f64 = 1e-3;
 
 /// Whether the times are n·dt.
@@ -157,13 +158,14 @@ fn is_uniform(time: &[f64], dt: f64) -> bool {
     time.iter().enumerate().all(|(n, t)| (t - n as f64 * dt).abs() <= ROUNDING * dt)
 }
 
-/// Asks for the memory of the force at so many steps: times of day, or in another unit than s, are as many as no memory holds.
+/// Asks for the memory of the force at `steps` steps: times of day, or times in another unit than s, would give more steps than any memory
+/// holds.
 fn ask_for_steps(steps: f64) -> Result<(), Short> {
     let remedy = "let the time count in s from the beginning of the run, or lengthen the step";
     ask(format!("the force at {steps:.3e} steps"), (8.0 * steps) as u64, remedy)
 }
 
-/// Linear interpolation at n·step; zero before the first sample and behind the last.
+/// The force at times n·step by linear interpolation; zero before the first sample and after the last.
 fn resample(time: &[f64], force: &[f64], step: f64) -> Vec<f64> {
     let last = time[time.len() - 1];
     let count = (last / step).floor() as usize + 2;
@@ -197,7 +199,7 @@ mod tests {
         assert_eq!(samples, [0.0, 0.0, 0.0, 5.0, 10.0, 15.0, 20.0, 25.0, 30.0, 0.0]);
     }
 
-    /// Times of day at steps of 10 microseconds ended the program for want of memory.
+    /// A force file with times of day, at steps of 10 microseconds, once ended the program for lack of memory.
     #[test]
     fn a_force_of_more_steps_than_fit_is_refused() {
         let folder = tempfile::tempdir().unwrap();

@@ -1,4 +1,4 @@
-//! `[[joint]]`: a joint that several modes move.
+//! `[[joint]]`: a joint that several modes share.
 
 use iwan_sim::{JointLaw, SharedJoint, SimulationError, StuckRange, check_coupled};
 
@@ -13,16 +13,16 @@ use super::mode::ScenarioMode;
 /// Keys of a joint.
 pub(crate) const KEYS: &[&str] = &["name", "law", "participation", "compliance", "slip_at_force"];
 
-/// A joint with its law as written.
+/// A joint, and its law as the file writes it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ScenarioJoint {
     /// The joint for the simulation.
     pub joint: SharedJoint,
-    /// Its law as written.
+    /// The joint's law as the file writes it.
     pub law: WrittenLaw,
 }
 
-/// Reads and checks the joints that these modes share; none where the key is not there.
+/// Reads and checks the joints that these modes share; empty where the key is missing.
 pub(super) fn read(
     source: &InputText,
     top: &Section<'_>,
@@ -53,7 +53,7 @@ pub(super) fn read(
     Ok(joints)
 }
 
-/// Checks that modes and joints make a structure, and that the method can step it.
+/// Checks that modes and joints together describe a structure, and that the method can step it.
 pub(super) fn check(
     source: &InputText,
     top: &Section<'_>,
@@ -67,7 +67,7 @@ pub(super) fn check(
     }
 }
 
-/// Checks that modes and joints make a structure that can vibrate steadily.
+/// Checks that modes and joints together describe a structure that can vibrate steadily.
 pub(super) fn check_steady(
     source: &InputText,
     top: &Section<'_>,
@@ -80,7 +80,7 @@ pub(super) fn check_steady(
     }
 }
 
-/// The refusal of modes and joints at its place.
+/// The error for modes and joints that the library refuses, at their place in the file.
 fn refused(
     source: &InputText,
     top: &Section<'_>,
@@ -102,7 +102,7 @@ fn refused(
     }
 }
 
-/// Names of the joints, which differ from each other and from those of modes and points: columns are called after them.
+/// Names of the joints, which must differ from each other and from those of modes and points, because columns are named after all of them.
 fn names(sections: &[Section<'_>], modes: &[ScenarioMode]) -> Result<Vec<String>, InputError> {
     let mut names: Vec<String> = Vec::new();
     for (n, section) in sections.iter().enumerate() {
@@ -142,7 +142,7 @@ fn finite(section: &Section<'_>, key: &str, value: f64) -> Result<f64, InputErro
     Err(section.failure(key, &message, &format!("give {key} a finite value")))
 }
 
-/// A table of numbers by name: for each of `known` its number, 0 where it is not named.
+/// A table of numbers with names as keys: returns a number for each name in `known`, 0 where the table does not have it.
 fn by_name(
     source: &InputText,
     section: &Section<'_>,
@@ -184,7 +184,8 @@ fn participation(
     Ok(values)
 }
 
-/// A row of the compliance matrix: a number is the joint's own; a table names joints. What stays open is NaN for now.
+/// A row of the compliance matrix. A single number is the compliance of the joint itself; a table has names of joints as keys. Entries that
+/// are not given are NaN until [`make_symmetric`] fills them.
 fn compliance(
     source: &InputText,
     section: &Section<'_>,
@@ -198,7 +199,7 @@ fn compliance(
             row.iter_mut().zip(given).for_each(|(rho, given)| *rho = given.unwrap_or(f64::NAN));
         }
         Ok(None) => {}
-        // No table: then it is the joint's own number, or neither.
+        // The value is no table: it is the joint's own number, or an error.
         Err(_) => row[own] = finite(section, "compliance", section.number("compliance")?)?,
     }
     if row[own].is_nan() {
@@ -213,7 +214,7 @@ fn compliance(
     Ok(row)
 }
 
-/// Between two joints one of them may say it for both; where both do, they must agree.
+/// Makes the compliance matrix symmetric: either of two joints may give the compliance between them; where both do, the values must agree.
 fn make_symmetric(joints: &mut [ScenarioJoint], sections: &[Section<'_>]) -> Result<(), InputError> {
     for i in 0..joints.len() {
         for l in 0..i {

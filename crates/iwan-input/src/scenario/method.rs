@@ -1,4 +1,4 @@
-//! `[method]` and `[time]`: how to simulate.
+//! `[method]` and `[time]`: the method of simulation and the time axis.
 
 use iwan_core::Grid;
 use iwan_sim::{Method, Representation};
@@ -6,7 +6,7 @@ use iwan_sim::{Method, Representation};
 use crate::error::InputError;
 use crate::section::{Section, TableKind};
 
-/// The methods and their keys.
+/// The methods with their keys.
 pub(crate) const KINDS: &[TableKind] = &[
     TableKind { name: "newmark", keys: &["joint", "sliders", "grid", "prewarp", "beta", "gamma"] },
     TableKind { name: "half-cycle", keys: &[] },
@@ -17,11 +17,11 @@ pub(crate) const KINDS: &[TableKind] = &[
 /// Keys of the time axis.
 pub(crate) const TIME_KEYS: &[&str] = &["step", "duration"];
 
-/// Sliders at most: this many take 1.2 GB and a minute for the built-in scenario. They gain nothing, as the error of cutting the
-/// density is 4e-4 with 100 sliders and 2e-9 with 100,000, and the continuum has none.
+/// Largest number of sliders: this many take 1.2 GB and a minute for the built-in scenario, and more are refused. So many gain nothing: the
+/// error from cutting the density into sliders is 4e-4 with 100 sliders and 2e-9 with 100,000, and the continuum has no such error.
 pub const MOST_SLIDERS: usize = 10_000_000;
 
-/// Why the keys of a method do not go together; whoever read them says where they stand.
+/// Why the keys of a method do not go together; the caller, which read the keys, adds their place.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Refusal {
     pub(super) key: &'static str,
@@ -48,7 +48,7 @@ pub(crate) enum GridKind {
     Uniform,
 }
 
-/// What the command line changes in a scenario.
+/// Values of a scenario that the command line replaces.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Overrides {
     /// Name of the method of integration.
@@ -63,11 +63,11 @@ pub struct Overrides {
     pub duration: Option<f64>,
     /// Amplitude of the force.
     pub amplitude: Option<f64>,
-    /// Whether the response is handed out as it is computed, so that no memory is needed for it.
+    /// Whether the response is passed on while it is computed, so that no memory is needed to hold it.
     pub streamed: bool,
 }
 
-/// A method as written: what was left out is none.
+/// A method as written; keys that were left out are `None`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct MethodKeys {
     pub(crate) kind: &'static str,
@@ -80,7 +80,7 @@ pub(crate) struct MethodKeys {
 }
 
 impl MethodKeys {
-    /// The method of this name with nothing said about it.
+    /// The method of this name with all other keys left out.
     pub(crate) const fn named(kind: &'static str) -> Self {
         Self { kind, joint: None, sliders: None, grid: None, prewarp: None, beta: None, gamma: None }
     }
@@ -99,7 +99,8 @@ impl MethodKeys {
         })
     }
 
-    /// The method with its defaults; `graded` is the default grid of so many bins, of a mode or of a structure.
+    /// The method with its defaults filled in; `graded` gives the default grid for a number of bins, which differs between a mode and a
+    /// structure.
     ///
     /// # Errors
     /// [`Refusal`] of a key that is out of range or does not go with another.
@@ -145,7 +146,7 @@ impl MethodKeys {
             let message = "prewarp = true goes with beta = 0.25 and gamma = 0.5 only";
             return problem("prewarp", message, "set prewarp = false, or leave beta and gamma out");
         }
-        // The range of β and γ does not depend on the step.
+        // The allowed range of β and γ does not depend on the step; 1.0 stands for any.
         iwan_core::Newmark::new(1.0, beta, gamma).map_err(|error| match error {
             iwan_core::Error::OutOfRange { name, value, allowed } => Refusal {
                 key: name,
@@ -159,10 +160,11 @@ impl MethodKeys {
 }
 
 impl MethodKeys {
-    /// The method on a structure: average acceleration on all unknowns, the frequencies of which cannot all be prewarped.
+    /// The method for a structure: average acceleration on all unknowns, without prewarping, because not all of their frequencies can be
+    /// prewarped.
     ///
     /// # Errors
-    /// [`Refusal`] of a key that goes with modes only.
+    /// [`Refusal`] of a key that applies to modes only.
     pub(super) fn on_structure(self) -> Result<Self, Refusal> {
         let remedy = "a structure is integrated by kind = \"newmark\" with joint, sliders and grid only";
         let given = [
@@ -183,7 +185,7 @@ impl MethodKeys {
 }
 
 impl MethodKeys {
-    /// With what the command line says instead.
+    /// The keys with those replaced that the command line gives.
     pub(super) fn overridden(self, overrides: &Overrides) -> Result<Self, InputError> {
         let mut keys = match overrides.method {
             Some(kind) if kind != self.kind => {

@@ -1,4 +1,4 @@
-//! Scenario files: modes, force, time axis and method, read with messages that say where and what helps.
+//! Scenario files: modes, force, time axis and method, read with messages that name the place and what helps.
 
 mod built_in;
 mod force;

@@ -29,14 +29,14 @@ pub(crate) const KEYS: &[&str] = &[
 /// Keys of a mode's initial conditions.
 pub(crate) const INITIAL_KEYS: &[&str] = &["displacement", "velocity"];
 
-/// A mode with its joint as written.
+/// A mode, and its joint as the file writes it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ScenarioMode {
     /// The mode for the simulation.
     pub mode: Mode,
-    /// Its joint as written.
+    /// The mode's joint as the file writes it.
     pub joint: Option<WrittenLaw>,
-    /// Smallest and largest amplitude of the modal displacement that the records behind this mode hold.
+    /// Smallest and largest amplitude of the modal displacement in the records from which this mode was identified.
     pub informed: Option<[f64; 2]>,
 }
 
@@ -90,7 +90,7 @@ fn read_informed(section: &Section<'_>) -> Result<Option<[f64; 2]>, InputError> 
     }
 }
 
-/// A mode of its curves alone, or of its frequency alone.
+/// A mode known by its curves only, or by its frequency only.
 fn of_curves(source: &InputText, section: &Section<'_>, name: String) -> Result<Mode, InputError> {
     if !section.has("curves") {
         return Ok(Mode::new(name, section.number("frequency")?, None));

@@ -6,7 +6,7 @@ use crate::error::InputError;
 use crate::section::{Section, TableKind};
 use crate::text::InputText;
 
-/// The laws of parts and their keys.
+/// The laws of parts with their keys.
 pub(crate) const KINDS: &[TableKind] = &[
     TableKind { name: "power-damping", keys: &["c", "n"] },
     TableKind { name: "coulomb", keys: &["force"] },
@@ -14,7 +14,7 @@ pub(crate) const KINDS: &[TableKind] = &[
     TableKind { name: "pinning", keys: &["k", "gap"] },
 ];
 
-/// Reads and checks the parts of a mode; none where the key is not there.
+/// Reads and checks the parts of a mode; empty where the key is missing.
 pub(super) fn read(source: &InputText, mode: &Section<'_>) -> Result<Vec<Part>, InputError> {
     let one = |(n, place)| {
         let title = format!("part {} of {}", n + 1, mode.title());
@@ -31,7 +31,7 @@ pub(super) fn read(source: &InputText, mode: &Section<'_>) -> Result<Vec<Part>, 
     mode.tables("parts")?.into_iter().enumerate().map(one).collect()
 }
 
-/// Law and keys of a part with their values, as they are written.
+/// Law of a part, its keys with their values (two places), and the number of keys in use.
 pub(super) fn written(part: &Part) -> (&'static str, [(&'static str, f64); 2], usize) {
     match part {
         Part::PowerDamping(part) => ("power-damping", [("c", part.c()), ("n", part.n())], 2),

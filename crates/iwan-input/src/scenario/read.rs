@@ -1,4 +1,4 @@
-//! A scenario as a whole: its tables together, and the checks that need more than one of them.
+//! A scenario as a whole: all its tables, and the checks that need more than one of them.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -18,18 +18,18 @@ use super::sweep::SweepTable;
 /// Keys at the top of a scenario.
 pub(crate) const KEYS: &[&str] = &["title", "mode", "joint", "structure", "force", "time", "method", "sweep"];
 
-/// Numbers of a response at most: 8 GB. A longer one is refused before anything is computed, since a computer for which it is too
-/// much would slow down to a halt; half as much or twice as much would do as well.
+/// Largest count of numbers in a response: 8 GB. A longer response is refused before anything is computed, since a computer that it
+/// overfills would slow down to a halt. Half as much or twice as much would do as well.
 const MOST_NUMBERS: f64 = 1e9;
 
-/// A scenario, checked.
+/// A scenario whose values have been checked.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scenario {
-    /// What it is called.
+    /// Title of the scenario.
     pub title: Option<String>,
-    /// The modes; none on a structure.
+    /// The modes; empty where a structure takes their place.
     pub modes: Vec<ScenarioMode>,
-    /// Joints that several modes move; none where each mode has its own.
+    /// Joints that several modes share; empty where each mode has a joint of its own.
     pub joints: Vec<ScenarioJoint>,
     /// The structure, where there is one instead of modes.
     pub structure: Option<OnStructure>,
@@ -37,7 +37,7 @@ pub struct Scenario {
     pub force: Force,
     /// Time axis and method.
     pub settings: Settings,
-    /// The sweep for steady responses, which a transient does not need.
+    /// The sweep for steady responses; a transient does not need it.
     pub sweep: Option<SweepTable>,
 }
 
@@ -144,7 +144,7 @@ impl Scenario {
     }
 }
 
-/// The flags that were given, for messages.
+/// The options of the command line that were given, for messages.
 fn flags(overrides: &Overrides) -> String {
     let step = overrides.step.map(|_| "--step");
     let duration = overrides.duration.map(|_| "--duration");
@@ -198,7 +198,7 @@ fn read_method(
         None => MethodKeys::named("newmark"),
     };
     let mut keys = written.overridden(overrides)?;
-    // What stands in the file is shown there; what the command line made of it stands nowhere.
+    // An error about a value as the file has it names its place there; a value that the command line changed stands nowhere in the file.
     let as_written = keys == written;
     let placed = |Refusal { key, message, remedy }: Refusal| match &section {
         Some((section, _)) if as_written => section.failure(key, &message, &remedy),

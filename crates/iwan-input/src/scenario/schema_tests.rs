@@ -1,4 +1,4 @@
-//! The shipped JSON Schema and the reader agree: same keys, same files accepted and refused.
+//! The shipped JSON Schema and the reader agree: they know the same keys, and accept and refuse the same files.
 #![allow(clippy::unwrap_used, reason = "tests may panic")]
 
 use serde_json::Value;
@@ -61,7 +61,7 @@ fn every_kind_has_the_same_keys() {
     }
 }
 
-/// A scenario's text as the schema sees it.
+/// A scenario in the form that the schema's validator takes.
 fn as_json(text: &str) -> Value {
     fn convert(value: &toml::de::DeValue<'_>) -> Value {
         use toml::de::DeValue;
@@ -281,7 +281,8 @@ step = 1e-5
 duration = 0.1
 ";
 
-/// Joints that modes share are valid, survive writing, and are refused with place and remedy.
+/// Joints that modes share are accepted by schema and reader, keep their values when written and read again, and are refused with place and
+/// remedy when faulty.
 #[test]
 fn shared_joints_are_read_written_and_refused() {
     let validator = jsonschema::validator_for(&schema()).unwrap();
@@ -331,12 +332,12 @@ fn shared_joints_are_read_written_and_refused() {
         assert!(message.contains(expected) && message.contains("test.toml"), "{message}");
     }
     assert!(said(compliance, "compliance = 2e-5").contains("joint \"left\""));
-    // Steady vibration takes the same modes and joints.
+    // Steady vibration reads the same modes and joints.
     let steady = SteadyScenario::read(&InputText::built_in("test.toml", SHARED)).unwrap();
     assert_eq!((steady.modes.len(), steady.joints.len()), (2, 2));
 }
 
-/// Curves come from a file as they do from the scenario, and what is wrong is said with its place.
+/// Curves are read from a file as from the scenario itself, and errors in them name their place.
 #[test]
 fn curves_come_from_a_file_too() {
     let folder = tempfile::tempdir().unwrap();
@@ -365,7 +366,7 @@ fn curves_come_from_a_file_too() {
     assert!(said(&format!("frequency = 100\n{falling}")).contains("exclude each other"));
 }
 
-/// A part out of range is said with its number, key and place.
+/// The error for a part out of range names its number, key and place.
 #[test]
 fn a_wrong_part_is_named() {
     let said =
@@ -419,7 +420,7 @@ fn sweeps_need_neither_force_nor_time() {
         assert!(!validator.is_valid(&as_json(&text)), "{text}");
         assert!(steady(&text).is_err(), "{text}");
     }
-    // What a schema cannot say.
+    // Errors that the schema cannot express.
     let error = steady(&SWEEP.replace("to = 110", "to = 80")).unwrap_err().to_string();
     assert!(error.contains("to = 80 is out of range"), "{error}");
 }

@@ -1,4 +1,4 @@
-//! A scenario as steady vibration sees it: modes or a structure, and a sweep; force and time axis of transients do not matter.
+//! A scenario for steady vibration: modes or a structure, and a sweep. Force and time axis of transients are not read.
 
 use crate::error::InputError;
 use crate::section::Section;
@@ -11,18 +11,18 @@ use super::read::{KEYS, read_modes};
 use super::structure::OnStructure;
 use super::sweep::SweepTable;
 
-/// What a scenario says about steady vibration.
+/// The parts of a scenario that steady vibration needs.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SteadyScenario {
-    /// What it is called.
+    /// Title of the scenario.
     pub title: Option<String>,
-    /// The modes; none on a structure.
+    /// The modes; empty where a structure takes their place.
     pub modes: Vec<ScenarioMode>,
-    /// Joints that several modes move; none where each mode has its own.
+    /// Joints that several modes share; empty where each mode has a joint of its own.
     pub joints: Vec<ScenarioJoint>,
     /// The structure, where there is one instead of modes.
     pub structure: Option<OnStructure>,
-    /// The sweep; nonlinear modes need none.
+    /// The sweep; none is needed for nonlinear modes.
     pub sweep: Option<SweepTable>,
 }
 

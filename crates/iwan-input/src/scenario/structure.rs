@@ -25,16 +25,16 @@ pub enum Origin {
     Reduced(PathBuf),
 }
 
-/// The table as written, with its defaults.
+/// The table as written, with defaults filled in.
 #[derive(Debug, Clone, PartialEq)]
 pub struct OnStructure {
     /// Where the structure comes from.
     pub origin: Origin,
     /// Which model is integrated.
     pub model: Model,
-    /// Modes whose modal coordinates are recorded; none named: the first three bending modes.
+    /// Names of the modes whose modal coordinates are recorded; empty: the first three bending modes.
     pub modes: Vec<String>,
-    /// Number of pictures of the moving structure for ParaView.
+    /// Number of pictures of the moving structure that are written for ParaView.
     pub frames: usize,
 }
 
@@ -66,7 +66,7 @@ impl OnStructure {
         Ok(Some(Self { origin, model, modes, frames }))
     }
 
-    /// The structure file, and its name for messages.
+    /// Loads the structure; returns its name for messages, and the structure file.
     ///
     /// # Errors
     /// [`InputError`] for a file that cannot be read or is no structure.
@@ -139,7 +139,7 @@ fn model(section: &Section<'_>, kept: bool) -> Result<Model, InputError> {
     }
 }
 
-/// How the joints of a structure are evaluated under a scenario's method: average acceleration without prewarping.
+/// How the joints of a structure are evaluated when a scenario's method is applied to it: with average acceleration and no prewarping.
 #[must_use]
 pub const fn representation(method: &Method) -> Representation {
     match *method {

@@ -1,4 +1,4 @@
-//! `[sweep]`: what a steady forced response is asked for.
+//! `[sweep]`: band, levels and control of a steady forced response.
 
 use iwan_sim::{Control, Sweep};
 
@@ -22,7 +22,7 @@ pub(crate) const KEYS: &[&str] = &[
     "damping_ratio",
 ];
 
-/// What may be held, one of which the table names.
+/// Quantities that may be held constant during a sweep; the table must name exactly one.
 const CONTROLS: [Control; 5] = [
     Control::Force,
     Control::BaseAcceleration,
@@ -31,16 +31,17 @@ const CONTROLS: [Control; 5] = [
     Control::Acceleration,
 ];
 
-/// The table as written, with its defaults.
+/// The table as written, with defaults filled in.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SweepTable {
     /// Band, levels and harmonics.
     pub sweep: Sweep,
-    /// The point whose response is held or returned; none: the modal displacement, on a structure the loaded point.
+    /// The point whose response is held or returned; none: the modal displacement, or on a structure the loaded point.
     pub at: Option<String>,
-    /// Viscous ratio of all modes of a structure; modes of a scenario have their own.
+    /// Viscous damping ratio of all modes of a structure; modes of a scenario have ratios of their own.
     pub damping_ratio: Option<f64>,
-    /// Direction (x, y, z), of length 1, in which the base of a structure is accelerated; modes of a scenario have their participation.
+    /// Direction (x, y, z), of length 1, in which the base of a structure is accelerated; modes of a scenario have participation factors
+    /// instead.
     pub direction: Option<[f64; 3]>,
 }
 
@@ -90,7 +91,7 @@ fn direction(section: &Section<'_>, control: Control) -> Result<Option<[f64; 3]>
     }
 }
 
-/// What is held, and at which levels.
+/// The quantity that is held, and its levels.
 fn levels(section: &Section<'_>) -> Result<(Control, Vec<f64>), InputError> {
     let mut given = CONTROLS.iter().filter(|control| section.has(control.name()));
     let remedy = "give one of force, base_acceleration, displacement, velocity, acceleration = [LEVEL, ...]";
@@ -109,7 +110,7 @@ fn levels(section: &Section<'_>) -> Result<(Control, Vec<f64>), InputError> {
     Ok((control, levels))
 }
 
-/// The refusal of a value, at its place.
+/// The error for a value that the library refuses, at the place of that value.
 fn refused(section: &Section<'_>, control: Control, error: &iwan_sim::SimulationError) -> InputError {
     let iwan_sim::SimulationError::Parameter(iwan_core::Error::OutOfRange { name, value, allowed }) = error
     else {

@@ -1,4 +1,4 @@
-//! A scenario written out, with all defaults filled in: reading it gives the same bits again.
+//! Writes a scenario with all defaults filled in; reading it again gives the same bits.
 
 use std::fmt::Write;
 
@@ -17,7 +17,7 @@ use super::read::Scenario;
 use super::structure::{OnStructure, Origin};
 use super::sweep::SweepTable;
 
-/// The scenario as TOML; a force from a file is called `force_file`.
+/// The scenario as TOML; where the force comes from a file, it is named `force_file`.
 #[must_use]
 pub fn to_toml(scenario: &Scenario, force_file: &str) -> String {
     let mut out =
@@ -43,7 +43,7 @@ pub fn to_toml(scenario: &Scenario, force_file: &str) -> String {
     out
 }
 
-/// `key = value`. Writing to a string cannot fail.
+/// Appends a line `key = value`. Writing to a string cannot fail.
 fn line(out: &mut String, key: &str, value: &str) {
     let _ = writeln!(out, "{key} = {value}");
 }
@@ -52,7 +52,7 @@ fn number(out: &mut String, key: &str, value: f64) {
     line(out, key, &format!("{value:?}"));
 }
 
-/// `{ key = value, ... }`.
+/// An inline table `{ key = value, ... }`.
 fn inline(pairs: &[(&str, String)]) -> String {
     let pairs: Vec<_> = pairs.iter().map(|(key, value)| format!("{key} = {value}")).collect();
     format!("{{ {} }}", pairs.join(", "))
@@ -122,7 +122,7 @@ fn part_table(part: &iwan_core::Part) -> String {
     inline(&[("law", quoted(law))].into_iter().chain(keys).collect::<Vec<_>>())
 }
 
-/// The points in place, wherever they were read from.
+/// A table with the points of the curves themselves, even where they were read from a file.
 fn curves_table(curves: &iwan_sim::Curves) -> String {
     let [amplitude, frequency, damping_ratio] = curves.table().map(|column| format!("{column:?}"));
     inline(&[
@@ -136,7 +136,7 @@ fn curves_table(curves: &iwan_sim::Curves) -> String {
 fn write_structure(out: &mut String, structure: &OnStructure) {
     out.push_str("\n[structure]\n");
     match &structure.origin {
-        // Absolute where that is known: the scenario is written into another folder.
+        // An absolute path where it can be determined, because the scenario is written into another folder.
         Origin::File(path) => {
             let path = path.canonicalize().unwrap_or_else(|_| path.clone());
             line(out, "path", &quoted(&path.display().to_string()));

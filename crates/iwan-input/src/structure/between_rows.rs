@@ -1,4 +1,4 @@
-//! `[[joint]]` by rows of a matrix of relative displacements.
+//! `[[joint]]` whose slips are rows of a matrix of relative displacements.
 
 use std::collections::BTreeSet;
 
@@ -11,7 +11,7 @@ use crate::error::InputError;
 use crate::section::{Section, TablePlace};
 use crate::text::InputText;
 
-/// Reads the joints that have the key `relative` into the given matrices of the structure.
+/// Reads the joints with the key `relative`, and adds them to the given matrices of the structure.
 pub(super) fn read(
     source: &InputText,
     top: &Section<'_>,
@@ -39,7 +39,7 @@ pub(super) fn read(
     Ok(())
 }
 
-/// The slips of one joint: for each entry of `slip` the rows that it names, or all.
+/// The slips of one joint: for each entry of `slip` the rows that it names, or all rows.
 fn slips(
     source: &InputText,
     section: &Section<'_>,

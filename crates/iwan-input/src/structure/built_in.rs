@@ -1,9 +1,9 @@
-//! The structures that are built in.
+//! The built-in structures.
 
 use crate::error::InputError;
 use crate::text::InputText;
 
-/// Name, purpose and text of the structures that are built in.
+/// Name, purpose and text of the built-in structures.
 pub const BUILT_IN_STRUCTURES: &[(&str, &str, &str)] = &[
     (
         "paper-a",
@@ -20,7 +20,7 @@ pub const BUILT_IN_STRUCTURES: &[(&str, &str, &str)] = &[
 /// A built-in structure by its name.
 ///
 /// # Errors
-/// [`InputError`] with the names there are.
+/// [`InputError`] that lists the known names.
 pub fn built_in_structure(name: &str) -> Result<InputText, InputError> {
     let found = BUILT_IN_STRUCTURES.iter().find(|(known, ..)| *known == name);
     found.map(|(name, _, text)| InputText::built_in(name, text)).ok_or_else(|| {

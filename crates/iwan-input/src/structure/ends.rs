@@ -1,4 +1,4 @@
-//! `[[support]]`, `[[lump]]`, `[[load]]` and `[[output]]`: where the structure ends and the world begins.
+//! `[[support]]`, `[[lump]]`, `[[load]]` and `[[output]]`: supports, lumped masses and springs, points of forces, and points of responses.
 
 use iwan_fem::mesh::Mesh;
 use iwan_fem::{Assembled, Lump, Structure, Support};
@@ -23,19 +23,20 @@ pub(super) const OUTPUT_KEYS: &[&str] =
 /// Where a load acts and an output is read.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Point {
-    /// A node set along a direction: all nodes take equal shares of a force, and the mean of all is read.
+    /// A node set along a direction: a force is divided equally among all nodes, and a displacement is the mean over all nodes.
     Nodes {
         /// The set.
         set: String,
         /// Direction, of length 1.
         direction: [f64; 3],
     },
-    /// A combination of the rows of given matrices: rows (from 0) and coefficients.
+    /// A combination of the rows of given matrices: rows (from 0) with coefficients.
     Rows(Vec<(usize, f64)>),
 }
 
 impl Point {
-    /// Forces on the unknowns of a force there; those of a force of 1 also read the displacement.
+    /// Forces on the unknowns, one for each, of a force at this point. For a force of 1 they are also the coefficients by which the
+    /// unknowns give the displacement of the point.
     ///
     /// # Errors
     /// [`iwan_fem::Error`] where the point does not fit the structure.
@@ -49,7 +50,7 @@ impl Point {
         }
     }
 
-    /// What `nodes` and `direction` name, or `relative` and `row`.
+    /// Reads the point from the keys `nodes` and `direction`, or `relative` and `row`.
     fn read(source: &InputText, section: &Section<'_>, structure: &Structure) -> Result<Self, InputError> {
         if !section.has("relative") {
             if let Some(key) = ["relative_name", "format", "row"].into_iter().find(|key| section.has(key)) {
@@ -78,22 +79,22 @@ impl Point {
 pub struct Load {
     /// Name for messages and reports.
     pub name: String,
-    /// Where.
+    /// The point where the load acts.
     pub at: Point,
-    /// Total force of this load over the force of the scenario.
+    /// Ratio of the total force of this load to the force of the scenario.
     pub factor: f64,
 }
 
 /// A point whose motion is wanted.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Output {
-    /// Name: columns of the response begin with it.
+    /// Name, with which the columns of the response begin.
     pub name: String,
-    /// Where.
+    /// The point whose motion is wanted.
     pub at: Point,
 }
 
-/// The table under its own name, which must be given and not `taken`.
+/// The table with its name as title; the name must be given, and must not be `taken`.
 pub(super) fn name<'a>(
     section: Section<'a>,
     word: &str,
@@ -111,7 +112,7 @@ pub(super) fn name<'a>(
     Ok((section.renamed(format!("{word} \"{name}\"")), name))
 }
 
-/// All tables of one kind.
+/// Reads all tables of one kind.
 fn each<T>(
     source: &InputText,
     top: &Section<'_>,

@@ -1,4 +1,4 @@
-//! A structure file, all of it.
+//! A structure file as a whole.
 
 use std::path::Path;
 
@@ -23,10 +23,10 @@ pub(super) const KEYS: &[&str] = &[
     "output",
 ];
 
-/// Whether a file is a structure rather than a scenario: whether it says anything about a mesh or matrices.
+/// Whether a file describes a structure rather than a scenario: whether it has a mesh or matrices.
 ///
 /// # Errors
-/// [`InputError`] where the file is no TOML.
+/// [`InputError`] where the file is no valid TOML.
 ///
 /// ```
 /// use iwan_input::{built_in_structure, is_structure, scenario::built_in};
@@ -44,9 +44,9 @@ pub fn is_structure(source: &InputText) -> Result<bool, InputError> {
 pub struct StructureFile {
     /// Title for reports.
     pub title: Option<String>,
-    /// Mesh, materials and what connects the parts.
+    /// Mesh, materials, and the joints, ties and supports.
     pub structure: Structure,
-    /// Laws of its slips as the file has them.
+    /// Laws of the structure's slips as the file writes them.
     pub laws: Vec<StructureLaw>,
     /// Where the force of a scenario acts.
     pub loads: Vec<Load>,
@@ -60,13 +60,13 @@ impl StructureFile {
     /// Reads a structure file; paths in it are relative to its folder.
     ///
     /// # Errors
-    /// [`InputError`] for what cannot be read, for values out of range with file, line and key, for files of meshes, and
-    /// for every defect that [`Structure::check`] finds.
+    /// [`InputError`] for a file that cannot be read, for values out of range (with file, line and key), for faulty mesh files, and for
+    /// every defect that [`Structure::check`] finds.
     pub fn load(path: impl AsRef<Path>) -> Result<Self, InputError> {
         Self::read(&InputText::read(path.as_ref(), "structure", "paper-a")?)
     }
 
-    /// The same from a text.
+    /// Reads a structure file from a text.
     ///
     /// # Errors
     /// As [`load`](Self::load).
@@ -101,7 +101,7 @@ impl StructureFile {
     }
 }
 
-/// Mesh, sets and materials; or matrices with their nodes and sets.
+/// Structure of mesh, sets and materials, or of matrices with their nodes and sets; also the remarks.
 fn body(source: &InputText, top: &Section<'_>) -> Result<(Structure, Vec<String>), InputError> {
     if let Some(place) = top.optional_table("matrices")? {
         let (mut structure, notes) = given::read(source, top, place)?;

@@ -1,4 +1,4 @@
-//! `[[joint]]` and `[[tie]]`.
+//! `[[joint]]` and `[[tie]]` of a structure file.
 
 use std::fmt;
 use std::sync::Arc;
@@ -22,7 +22,7 @@ pub(super) const TIE_KEYS: &[&str] = &["name", "face", "patch", "motion"];
 /// Keys of a slip.
 pub(super) const SLIP_KEYS: &[&str] = &["direction", "law", "rows"];
 
-/// Ways in which a face follows a patch.
+/// Ways in which the nodes of a face follow their patch, by their names in the file.
 const MOTIONS: &[(&str, Interface)] = &[
     ("rigid", Interface::Whole(Patch::Rigid)),
     ("averaging", Interface::Whole(Patch::Averaging)),
@@ -30,7 +30,7 @@ const MOTIONS: &[(&str, Interface)] = &[
     ("directions", Interface::Directions),
 ];
 
-/// Joints, then ties.
+/// Reads joints, then ties.
 pub(super) fn read(
     source: &InputText,
     top: &Section<'_>,
@@ -57,7 +57,7 @@ pub(super) fn read(
             let (section, name) = name(section, word, taken)?;
             let face = known(&section, "face", "node", &mesh.node_sets)?;
             let patch = known(&section, "patch", "node", &mesh.node_sets)?;
-            // A tie in no direction would be none.
+            // A tie without directions of its own would tie nothing, so "directions", the last of `MOTIONS`, is for joints only.
             if word == "tie" && is_projected(&section)? {
                 continue;
             }
@@ -73,15 +73,16 @@ pub(super) fn read(
     Ok((joints, laws))
 }
 
-/// Whether a tie says motion = "projection".
+/// Whether a tie has motion = "projection".
 fn is_projected(section: &Section<'_>) -> Result<bool, InputError> {
     Ok(section.is_text("motion") && section.text("motion")? == PROJECTION)
 }
 
-/// How a tie between meshes that do not match is called.
+/// Name of the motion of a tie between meshes that do not match.
 const PROJECTION: &str = "projection";
 
-/// Ties between meshes that do not match: nodes of the face are moved onto the faces of the patch and follow them. Returns notes.
+/// Applies ties between meshes that do not match: nodes of the face are moved onto the faces of the patch, and follow these. Returns
+/// remarks.
 pub(super) fn project(
     source: &InputText,
     top: &Section<'_>,
@@ -117,12 +118,12 @@ pub(super) fn project(
     Ok(notes)
 }
 
-/// A law of a slip beside the law as written.
+/// A law of a slip, and the law as the file writes it.
 #[derive(Clone)]
 pub struct StructureLaw {
     /// The law that the structure computes with.
     pub law: Law,
-    /// As the file has it.
+    /// The law as the file writes it.
     pub written: WrittenLaw,
 }
 
@@ -159,8 +160,8 @@ fn slips(
     Ok(joint)
 }
 
-/// Cosine between directions that count as orthogonal: rounding of seven digits. The assembly, which knows no file, asks for 1e-9 and
-/// refuses what lies between the two.
+/// Largest cosine between two directions that count as orthogonal: rounding of seven digits. The assembly, which does not know the file,
+/// allows 1e-9, and refuses directions between the two limits.
 const ORTHOGONAL: f64 = 1e-6;
 
 fn slip<'a>(
@@ -180,7 +181,7 @@ fn slip<'a>(
     Ok((direction(&section, "direction")?, law(source, &section)?))
 }
 
-/// The law of a slip; none slides freely.
+/// The law of a slip; none for a slip without a law, which slides freely.
 pub(super) fn law(source: &InputText, slip: &Section<'_>) -> Result<Option<StructureLaw>, InputError> {
     let Some(place) = slip.optional_table("law")? else { return Ok(None) };
     let (written, law) = WrittenLaw::read(source, format!("law of {}", slip.title()), place)?;

@@ -1,4 +1,4 @@
-//! `[[material]]` and `[elements]`.
+//! `[[material]]` and `[elements]` of a structure file.
 
 use iwan_fem::mesh::{Mesh, Section as MeshSection};
 use iwan_fem::{Error, Formulation, Inertia, Material, Structure};
@@ -14,7 +14,8 @@ pub(super) const MATERIAL_KEYS: &[&str] = &["elements", "young", "poisson", "den
 /// Keys of `[elements]`.
 pub(super) const ELEMENT_KEYS: &[&str] = &["formulation", "mass"];
 
-/// A structure of the mesh with its materials and formulations. Materials of the mesh file hold where the structure file gives none at all.
+/// A structure of the mesh with its materials and element formulations. Materials of the mesh file are used only where the structure file
+/// gives none at all.
 pub(super) fn read(
     source: &InputText,
     top: &Section<'_>,
@@ -80,7 +81,7 @@ fn material(section: &Section<'_>) -> Result<Material, InputError> {
     })
 }
 
-/// The first material, when the materials of element sets leave no element without.
+/// The first material, if the materials of element sets cover all elements.
 fn covering(top: &Section<'_>, mesh: &Mesh, special: &[(String, Material)]) -> Result<Material, InputError> {
     let mut without = vec![true; mesh.elements.len()];
     for element in special.iter().filter_map(|(set, _)| mesh.element_sets.get(set)).flatten() {

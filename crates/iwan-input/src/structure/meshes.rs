@@ -1,4 +1,4 @@
-//! `[mesh]`: a file, the paper's beam, or a block.
+//! `[mesh]`: a mesh file, the paper's beam, or a block.
 
 use iwan_fem::mesh::beam::{Configuration, beam};
 use iwan_fem::mesh::block::{block, uniform};
@@ -9,25 +9,26 @@ use crate::error::InputError;
 use crate::section::{Section, TableKind};
 use crate::text::InputText;
 
-/// Where meshes come from, with their keys.
+/// The sources of meshes, with their keys.
 pub(super) const KINDS: &[TableKind] = &[
     TableKind { name: "file", keys: &["path", "ignore"] },
     TableKind { name: "paper-beam", keys: &["configuration", "refinement"] },
     TableKind { name: "block", keys: &["size", "cells"] },
 ];
 
-/// More elements than this are not generated: six million unknowns, whose factor would take some 200 GB (from the growth of cubes of up to
-/// 28,000 unknowns). It is refused before the mesh is made; a mesh from a file is limited by its reader alone.
+/// Largest number of elements that are generated: six million unknowns, whose factor would take some 200 GB (extrapolated from the growth
+/// for cubes of up to 28,000 unknowns). A mesh with more is refused before it is made; a mesh from a file is limited by its reader only.
 const MOST_ELEMENTS: f64 = 2e6;
 
-/// Bytes of the factor of the paper's beam without refinement (0.35 million numbers). It grows with the fourth power of the refinement:
-/// the cuts of nested dissection have its square of unknowns, and their dense triangles the square of that.
+/// Bytes of the factor of the paper's beam without refinement (0.35 million numbers). It grows with the fourth power of the refinement: the
+/// number of unknowns in the cuts of nested dissection grows with its square, and the dense triangles of these cuts with the square of
+/// that.
 const BEAM_FACTOR: f64 = 2.8e6;
-/// Bytes that each element of a block takes at least: its part of stiffness, mass and factor where the block is slender. Of a cube the factor
-/// is larger, and is asked for again when the order of elimination is known.
+/// Least number of bytes for each element of a block: its share of stiffness, mass and factor where the block is slender. The factor of a
+/// cube is larger; memory for it is asked for again when the order of elimination is known.
 const BLOCK_FACTOR: f64 = 6e3;
 
-/// The mesh with what its file says beside it, and what the reader remarked.
+/// The mesh with everything else that its file states, and the reader's remarks.
 pub(super) fn read(source: &InputText, top: &Section<'_>) -> Result<(MeshFile, Vec<String>), InputError> {
     let Some(place) = top.optional_table("mesh")? else {
         let remedy =
@@ -42,7 +43,7 @@ pub(super) fn read(source: &InputText, top: &Section<'_>) -> Result<(MeshFile, V
     }
 }
 
-/// A mesh that no file says more about.
+/// A mesh whose source states nothing else.
 fn alone(mesh: Mesh) -> (MeshFile, Vec<String>) {
     (MeshFile::plain(mesh, Vec::new()), Vec::new())
 }
@@ -73,7 +74,7 @@ fn paper_beam(section: &Section<'_>) -> Result<Mesh, InputError> {
         )
     })?;
     let refinement = section.optional_count("refinement")?.unwrap_or(1);
-    // 662 elements without refinement: 640 of the beam, 14 of the link, 8 of the washers.
+    // The beam has 662 elements without refinement: 640 of the beam itself, 14 of the link, 8 of the washers.
     let refined = refinement as f64;
     size(section, "refinement", 662.0 * refined.powi(3))?;
     memory(section, "refinement", BEAM_FACTOR * refined.powi(4))?;

@@ -1,4 +1,4 @@
-//! A structure file in time: where the force acts, what is recorded, and the run itself.
+//! A structure file under a force in time: where the force acts, what is recorded, and the run itself.
 
 use iwan_core::Pulse;
 use iwan_fem::{
@@ -9,12 +9,12 @@ use iwan_fem::{
 use super::file::StructureFile;
 use crate::error::InputError;
 
-/// What is asked of a structure in time.
+/// What is to be computed of a structure in time.
 #[derive(Debug, Clone)]
 pub struct StructureTask<'a> {
-    /// History of the force that the loads of the file share; none: they do not act.
+    /// History of the force that is distributed over the loads of the file; none: no force acts.
     pub force: Option<Pulse<'a>>,
-    /// Modes that move at t = 0; none: the structure is at rest.
+    /// Velocities of modes at t = 0; empty: the structure is at rest.
     pub velocity: &'a [ModalVelocity],
     /// Time step, s.
     pub dt: f64,
@@ -24,9 +24,9 @@ pub struct StructureTask<'a> {
     pub representation: Representation,
     /// Which model is integrated.
     pub model: Model,
-    /// Names of the modes whose coordinates are recorded; none named: the first bending modes.
+    /// Names of the modes whose coordinates are recorded; empty: the first bending modes.
     pub modes: &'a [String],
-    /// What is wanted besides the response.
+    /// Error estimates and pictures that are wanted besides the response.
     pub extras: Extras,
 }
 
@@ -36,17 +36,17 @@ pub enum RunError {
     /// The structure file does not fit the task.
     #[error(transparent)]
     Input(#[from] InputError),
-    /// The analysis refused the task, failed, or was broken off.
+    /// The analysis refused the task, failed, or was stopped.
     #[error(transparent)]
     Analysis(#[from] Error),
 }
 
 impl StructureFile {
-    /// Integrates the structure, whose modes are `named`. `watch` hears the share done of the response, then those of the
-    /// companion runs; a checkpoint of it keeps them all.
+    /// Integrates the structure, whose modes are `named`. `watch` is told the share of the response that is done, then those of the
+    /// companion runs; its checkpoint, if it has one, keeps all of these runs.
     ///
     /// # Errors
-    /// [`RunError`], with the structure's or the task's fault.
+    /// [`RunError`], with the fault of the structure or of the task.
     ///
     /// ```
     /// use iwan_core::Pulse;
@@ -93,10 +93,10 @@ impl StructureFile {
         Ok(named.run(modes, task.model, &transient, task.extras, watch)?)
     }
 
-    /// Forces on the unknowns under a force of 1: all loads together.
+    /// Forces on the unknowns, one for each, of all loads together under a force of 1.
     ///
     /// # Errors
-    /// [`InputError`] without any load, and for one that cannot act.
+    /// [`InputError`] where the file has no load, and for a load that cannot act on the structure.
     pub fn forces(&self, assembled: &Assembled) -> Result<Vec<f64>, InputError> {
         if self.loads.is_empty() {
             let message = "the structure has no [[load]]: the force acts nowhere";
@@ -110,10 +110,10 @@ impl StructureFile {
         Ok(forces)
     }
 
-    /// What is recorded: the coordinates of these modes, then the outputs of the file.
+    /// The quantities to be recorded: the coordinates of these modes, then the outputs of the file.
     ///
     /// # Errors
-    /// [`InputError`] for an output with the name of a mode, and for one that cannot be read.
+    /// [`InputError`] for an output that has the name of a mode, and for one that the structure cannot give.
     pub fn recorded(
         &self,
         named: &NamedModes,

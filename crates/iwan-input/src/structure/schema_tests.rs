@@ -1,4 +1,4 @@
-//! The shipped JSON Schema and the reader agree: same keys, same files accepted and refused.
+//! The shipped JSON Schema and the reader agree: they know the same keys, and accept and refuse the same files.
 #![allow(clippy::unwrap_used, reason = "tests may panic")]
 
 use serde_json::Value;
@@ -64,7 +64,7 @@ fn every_kind_has_the_same_keys() {
     }
 }
 
-/// A text as the schema sees it.
+/// A structure file in the form that the schema's validator takes.
 fn as_json(text: &str) -> Value {
     fn convert(value: &DeValue<'_>) -> Value {
         match value {

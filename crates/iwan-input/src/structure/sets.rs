@@ -1,4 +1,4 @@
-//! `[[set]]`: further sets by number or place, and the look-up of sets by name.
+//! `[[set]]`: further sets, by numbers or by place, and the look-up of sets by name.
 
 use iwan_machine::listed;
 use std::collections::BTreeMap;
@@ -16,8 +16,8 @@ pub(super) const KINDS: &[TableKind] = &[
     TableKind { name: "box", keys: &["name", "low", "high"] },
 ];
 
-/// Nodes this share of the mesh's diagonal outside a box still belong to it: rounding of coordinates that are computed. Those of a file
-/// with seven digits may be farther off a plane, and then need a wider box.
+/// Distance from a box, as a share of the diagonal of the mesh, within which nodes still belong to the box: rounding of computed
+/// coordinates. Nodes of a file with seven digits may lie farther off a plane, and then need a wider box.
 const ROUNDING: f64 = 1e-9;
 
 /// Adds the sets of the file to those of the mesh.
@@ -42,7 +42,7 @@ pub(super) fn read(source: &InputText, top: &Section<'_>, mesh: &mut Mesh) -> Re
     single_nodes(source, top, mesh)
 }
 
-/// Number of a node in the mesh by what a file calls it: its number, or `INSTANCE.NUMBER` of a node of an instance.
+/// Number in the mesh of the node that a file calls `name`: its number, or `INSTANCE.NUMBER` for a node of an instance.
 fn labelled(name: &str, mesh: &Mesh) -> Option<u64> {
     let (instance, number) = match name.rsplit_once('.') {
         Some((instance, number)) if !mesh.node_sets.contains_key(name) => (Some(instance), number),
@@ -55,7 +55,7 @@ fn labelled(name: &str, mesh: &Mesh) -> Option<u64> {
     number.parse::<u64>().ok()?.checked_add(shift)
 }
 
-/// A set of one node for each place where a node is named by its number, `nodes = "17"` or `nodes = "Plate-1.17"`.
+/// Adds a set of one node wherever a table names a node by its number, `nodes = "17"` or `nodes = "Plate-1.17"`.
 fn single_nodes(source: &InputText, top: &Section<'_>, mesh: &mut Mesh) -> Result<(), InputError> {
     let mut index: Option<BTreeMap<u64, usize>> = None;
     for word in ["joint", "tie", "support", "lump", "load", "output"] {
@@ -79,7 +79,7 @@ fn single_nodes(source: &InputText, top: &Section<'_>, mesh: &mut Mesh) -> Resul
     Ok(())
 }
 
-/// Indices of what carries the numbers in the file.
+/// Indices of the nodes or elements whose numbers in the file the key `numbers` lists.
 fn numbered(
     section: &Section<'_>,
     word: &str,
@@ -118,7 +118,7 @@ fn inside(section: &Section<'_>, mesh: &Mesh) -> Result<Vec<usize>, InputError> 
     Ok(members)
 }
 
-/// Three finite numbers.
+/// The three finite numbers of a key.
 pub(super) fn triple(section: &Section<'_>, key: &str) -> Result<[f64; 3], InputError> {
     let numbers = section.numbers(key)?;
     match numbers[..] {
@@ -130,7 +130,7 @@ pub(super) fn triple(section: &Section<'_>, key: &str) -> Result<[f64; 3], Input
     }
 }
 
-/// A direction of length 1: `"x"`, `"-z"`, or three numbers.
+/// The direction of a key, of length 1, given as `"x"`, `"-z"`, or three numbers.
 pub(super) fn direction(section: &Section<'_>, key: &str) -> Result<[f64; 3], InputError> {
     const NAMED: &[(&str, [f64; 3])] = &[
         ("x", [1.0, 0.0, 0.0]),
@@ -152,7 +152,7 @@ pub(super) fn direction(section: &Section<'_>, key: &str) -> Result<[f64; 3], In
     Err(section.failure(key, &message, "give \"x\", \"y\", \"z\" or three numbers that are not all zero"))
 }
 
-/// Name of a set that exists.
+/// The name of a set in `sets`; an error where there is no such set.
 pub(super) fn known(
     section: &Section<'_>,
     key: &str,

@@ -1,5 +1,5 @@
-//! What of a structure file may be sought: joints with four-parameter laws, and parts of the stiffness by name; and what was found as changes
-//! of the file.
+//! The parameters of a structure file that an update may seek: joints with four-parameter laws, and parts of the stiffness by name. The
+//! parameters found become changes of the file.
 
 use std::sync::Arc;
 
@@ -11,7 +11,8 @@ use super::out::Changes;
 use crate::written_law::WrittenLaw;
 
 impl StructureFile {
-    /// Joints that can be sought, by number with their laws: those whose slips share one four-parameter law. Others keep theirs; they are named.
+    /// Joints whose laws can be sought: those whose slips share one four-parameter law, each with its number and law. The others keep their
+    /// laws; their names are returned second.
     ///
     /// ```
     /// use iwan_input::{StructureFile, built_in_structure};
@@ -50,7 +51,8 @@ impl StructureFile {
         (laws, kept)
     }
 
-    /// The part of the linear stiffness that has this name: an element set with a material, a lump, or `material` for all other elements.
+    /// The part of the linear stiffness with this name: an element set with a material of its own, a lump, or `material` for all other
+    /// elements.
     ///
     /// ```
     /// use iwan_fem::Correction;
@@ -70,7 +72,7 @@ impl StructureFile {
         of_material.or(of_lump).or(general)
     }
 
-    /// Names of all such parts.
+    /// Names of all parts of the linear stiffness.
     #[must_use]
     pub fn parts(&self) -> Vec<String> {
         let sets = self.structure.materials.iter().map(|(set, _)| set.clone());
@@ -78,7 +80,7 @@ impl StructureFile {
         std::iter::once("material".to_owned()).chain(sets).chain(lumps).collect()
     }
 
-    /// What was found as changes of the file: laws by the numbers of their joints, and factors on parts of the stiffness.
+    /// The parameters found, as changes of the file: laws with the numbers of their joints, and factors on parts of the stiffness.
     ///
     /// ```
     /// use iwan_core::FourParameter;

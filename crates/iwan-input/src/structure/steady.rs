@@ -8,53 +8,55 @@ use super::file::StructureFile;
 use super::run::RunError;
 use crate::error::InputError;
 
-/// Modes of the basis unless the user says otherwise: those of the paper's beam reach to some 10 kHz, and attachment vectors
-/// carry the static flexibility of all others.
+/// Number of modes in the basis unless the user states another: those of the paper's beam reach some 10 kHz, and attachment vectors carry
+/// the static flexibility of all other modes.
 const USUAL: usize = 50;
 
-/// A rigid motion takes this part of the largest modal force, or more, where the base does not hold it; below it is rounding.
+/// Least share of the largest modal force at which a rigid-body motion counts as excited by the base, so that the base does not hold the
+/// structure and the task is refused. Smaller shares are rounding.
 const FREE: f64 = 1e-6;
 
-/// What keeps a structure in steady vibration.
+/// The excitation of a structure in steady vibration.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Drive {
-    /// A force that the loads of the file share.
+    /// A force that is distributed over the loads of the file.
     Loads,
-    /// The acceleration of its supports and of the ground end of its springs along a direction of length 1: displacements are
-    /// relative to them.
+    /// An acceleration of the supports and of the springs' ground ends, along this direction of length 1; displacements are relative to the
+    /// base.
     Base([f64; 3]),
-    /// Nothing from outside: nonlinear modes.
+    /// No excitation: nonlinear modes.
     Nothing,
 }
 
-/// What is asked of a structure in steady vibration.
+/// What is to be computed of a structure in steady vibration.
 #[derive(Debug, Clone, Copy)]
 pub struct SteadyTask<'a> {
-    /// What drives it.
+    /// The excitation.
     pub drive: Drive,
-    /// Name of the output whose motion is the response; none: the first one of the file, else where the loads act.
+    /// Name of the output whose motion is the response; none: the first output of the file, or, where the file has none, the points where
+    /// the loads act.
     pub at: Option<&'a str>,
-    /// Viscous ratio of every elastic mode.
+    /// Viscous damping ratio of every elastic mode.
     pub damping_ratio: f64,
-    /// How many stuck modes; attachment vectors of the slips carry the flexibility of all others.
+    /// The model, with its number of stuck modes; attachment vectors of the slips carry the flexibility of all other modes.
     pub model: Model,
 }
 
-/// A structure as harmonic balance sees it.
+/// A structure in the form that harmonic balance needs.
 #[derive(Debug, Clone)]
 pub struct SteadyStructure {
-    /// Its stuck modes and the joints that couple them.
+    /// The structure's stuck modes, and the joints that couple them.
     pub modes: JointedModes,
-    /// The response, in words.
+    /// Description of the response in words.
     pub output: String,
 }
 
 impl StructureFile {
-    /// The structure, whose modes are `named`, for harmonic balance. `progress` hears how far the reduction is.
+    /// Reduces the structure, whose modes are `named`, for harmonic balance. `progress` is told the share of the reduction that is done.
     ///
     /// # Errors
-    /// [`RunError`]: an output that is not there, no load, a base that does not hold the structure, damping beyond critical, a joint that
-    /// slips in a rigid motion.
+    /// [`RunError`] for an unknown output, for a structure without a load, for a base that does not hold the structure, for damping beyond
+    /// critical, and for a joint that slips in a rigid-body motion.
     ///
     /// ```
     /// use iwan_fem::{Model, NamedModes};
@@ -106,7 +108,7 @@ impl StructureFile {
         Ok(SteadyStructure { modes, output })
     }
 
-    /// Forces on the unknowns under an excitation of 1.
+    /// Forces on the unknowns under an excitation of size 1.
     fn driven(&self, assembled: &Assembled, drive: Drive) -> Result<Vec<f64>, RunError> {
         match drive {
             Drive::Loads => Ok(self.forces(assembled)?),
@@ -145,7 +147,7 @@ impl StructureFile {
     }
 }
 
-/// Refuses a base that leaves the structure behind.
+/// Refuses a base that does not hold the structure.
 fn held(direction: [f64; 3], coordinates: &[SteadyCoordinate]) -> Result<(), InputError> {
     let most = coordinates.iter().fold(0.0, |most: f64, c| most.max(c.at_force.abs()));
     let free = coordinates.iter().any(|c| c.omega == 0.0 && c.at_force.abs() > FREE * most);

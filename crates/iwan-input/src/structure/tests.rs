@@ -1,4 +1,4 @@
-//! What a structure file says, and what its errors say.
+//! What is read from structure files, and the errors of faulty ones.
 #![allow(clippy::unwrap_used, reason = "tests may panic")]
 
 use iwan_fem::mesh::beam::Configuration;
@@ -11,7 +11,7 @@ fn read(text: &str) -> Result<StructureFile, String> {
     StructureFile::read(&InputText::built_in("s.toml", text)).map_err(|e| e.to_string())
 }
 
-/// The two files give the structures of the library, bit by bit in mesh and matrices.
+/// The two built-in files give the same structures as the library, with the same bits in mesh and matrices.
 #[test]
 fn the_built_in_files_are_the_papers_structures() {
     for (index, configuration) in [Configuration::A, Configuration::B].into_iter().enumerate() {
@@ -69,7 +69,7 @@ slip = [
 ]
 ";
 
-/// A structure file beside its mesh in a folder of its own.
+/// Reads a structure file that lies beside its mesh in a folder of its own.
 fn in_folder(text: &str) -> Result<StructureFile, String> {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("two.inp"), TWO_BLOCKS).unwrap();

@@ -1,15 +1,17 @@
-//! Whether channels that each have a clock of their own were sampled alike.
+//! Whether channels that each have times of their own were sampled at the same times.
 
 use super::assemble::Axis;
 use crate::error::ReadError;
 use crate::file_bytes::FileBytes;
 
-/// Intervals of channels may differ by this part, two units of the fifth and last digit that an ASCII header of a universal file has.
+/// Largest relative difference of two channels' intervals, two units of the fifth and last digit that an ASCII header of a universal file
+/// has. Channels that differ by more are refused.
 const SAME_INTERVAL: f64 = 2e-5;
-/// Starts of channels may differ by this part of an interval: to the nearest sample they are the same.
+/// Largest difference of two channels' starts, as a part of an interval: within it they are the same to the nearest sample. Channels that
+/// differ by more are refused.
 const SAME_START: f64 = 0.5;
 
-/// Sampling of a channel that does not go with the others, in words.
+/// In words: the sampling of a channel that differs from the others', and the sampling expected.
 pub(crate) struct Unlike {
     found: String,
     expected: String,
@@ -20,14 +22,14 @@ impl Unlike {
         Self { found: found.into(), expected: expected.into() }
     }
 
-    /// The error of channel `name` beside the channel `reference`.
+    /// The error of channel `name`, whose sampling differs from that of the channel `reference`.
     pub(crate) fn refusal(self, source: &FileBytes, name: String, reference: String) -> ReadError {
         let Self { found, expected } = self;
         ReadError::Mismatch { file: source.file.into(), name, found, expected, reference }
     }
 }
 
-/// How the sampling found differs from the one expected, if it does.
+/// How the sampling found differs from the sampling expected; none where it does not differ.
 pub(crate) fn unlike(expected: &Axis, found: &Axis) -> Option<Unlike> {
     match (expected, found) {
         (Axis::Even { start: s, step: a }, Axis::Even { start, step }) => {

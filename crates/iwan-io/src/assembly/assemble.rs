@@ -1,4 +1,4 @@
-//! From what a reader found to a checked record: quantity, unit, and a uniform grid of times.
+//! From what a reader found in a file to a checked record: quantity, unit, and a uniform grid of times.
 
 use super::sampling::{self, JITTER, Resampled, Times, UNIFORM};
 use super::scales::{Scale, scale};
@@ -12,11 +12,11 @@ use iwan_machine::listed;
 
 /// When the samples were taken.
 pub(crate) enum Axis {
-    /// Not stored.
+    /// The file stores no times.
     None,
     /// First time and interval, both in seconds.
     Even { start: f64, step: f64 },
-    /// One time for each sample, in seconds; `unit_known` where the file or the user says so.
+    /// One time for each sample, in seconds; `unit_known` where the file or the user states the unit.
     Times { name: String, values: Vec<f64>, unit_known: bool },
 }
 
@@ -32,7 +32,7 @@ pub(crate) struct Channel {
 pub(crate) struct Raw {
     pub(crate) axis: Axis,
     pub(crate) channels: Vec<Channel>,
-    /// Whether the user named the channels, so that none may be left out.
+    /// Whether the user named the channels; if so, none may be left out.
     pub(crate) chosen: bool,
     pub(crate) warnings: Vec<Warning>,
 }
@@ -45,16 +45,17 @@ struct Grid {
     dt: f64,
 }
 
-/// Samples that a record needs to be looked at for its unit of time: a table of a few rows tells nothing.
+/// Least number of samples of a record whose times are judged for their unit: a table of a few rows tells nothing.
 const ENOUGH: usize = 64;
-/// Fewer samples a second are doubted where times have no unit: the slowest structures, tall buildings and bridges, are sampled at 20 Hz
-/// and more, and times in ms of a record at less than 50 kHz come out below.
+/// Least sampling rate, Hz, that is not doubted where times have no unit. The slowest structures, tall buildings and bridges, are sampled
+/// at 20 Hz and more; times in ms of a record at less than 20 kHz, taken as seconds, give a rate below it. A judgement, which leads to a
+/// warning only.
 const SLOWEST_RATE: f64 = 20.0;
-/// Longer records are doubted, too: times in ms of a ring-down of 0.6 s and more come out above. Ring-downs of 600 s are of
-/// structures below 1 Hz. Both are judgements, and only warn.
+/// Longest record, s, that is not doubted where times have no unit: times in ms of a ring-down of 0.6 s and more, taken as seconds, are
+/// longer. Ring-downs of 600 s belong to structures below 1 Hz. A judgement, which leads to a warning only.
 const LONGEST: f64 = 600.0;
 
-/// A word on times without a unit that are unlike seconds.
+/// A warning on times without a unit, in seconds, whose sampling rate or length is unlike a ring-down.
 fn doubt(times: &[f64]) -> Option<Warning> {
     let duration = times[times.len() - 1] - times[0];
     let rate = (times.len() - 1) as f64 / duration;
@@ -62,7 +63,7 @@ fn doubt(times: &[f64]) -> Option<Warning> {
     unlike.then_some(Warning::TimeUnitDoubtful { rate, duration })
 }
 
-/// Makes the record.
+/// Makes the record from what a reader found.
 pub(crate) fn assemble(source: &FileBytes, mut raw: Raw, options: &ReadOptions) -> Result<Record, ReadError> {
     if let Some(value) = options.rate.filter(|r| !(r.is_finite() && *r > 0.0)) {
         return Err(ReadError::Rate { file: source.file.into(), value });
@@ -81,7 +82,7 @@ pub(crate) fn assemble(source: &FileBytes, mut raw: Raw, options: &ReadOptions) 
     Ok(record.with_quantity(quantity, unit).with_warnings(raw.warnings))
 }
 
-/// All channels whatever they measure, with their interval in s and what was noticed.
+/// All channels, whatever they measure, with their sampling interval in s and the warnings.
 pub(crate) fn all_channels(
     source: &FileBytes,
     mut raw: Raw,
@@ -91,24 +92,25 @@ pub(crate) fn all_channels(
         return Err(ReadError::Rate { file: source.file.into(), value });
     }
     let Grid { dt, .. } = place_in_time(source, &mut raw, options)?;
-    // The record checks intervals, lengths and samples.
+    // `Record::new` checks interval, lengths and samples.
     let (names, samples) = raw.channels.iter().map(|c| (c.name.clone(), c.values.clone())).unzip();
     Record::new(dt, samples, names).map_err(|e| source.record(e))?;
     Ok((dt, raw.channels, raw.warnings))
 }
 
-/// Leaves out channels of another quantity than the one wanted; what is no motion beside one kind of motion is left out, too, and what has a unit that is not known.
+/// Keeps the channels of one quantity: of the quantity `wanted`, else of the only kind of motion. Channels of other quantities are left
+/// out, and beside a motion those whose unit is not known, too. Channels without quantity and unit stay.
 fn keep_one_quantity(source: &FileBytes, raw: &mut Raw, wanted: Option<Quantity>) -> Result<(), ReadError> {
     let found = quantities(&raw.channels);
     let motions: Vec<Quantity> = found.iter().copied().filter(|q| q.is_motion()).collect();
-    // A unit that is not known is no unit of a motion, all of which are.
+    // The units of all motions are known, so a channel with an unknown unit is no motion.
     let is_foreign = |c: &Channel| c.quantity == Quantity::Unknown && !c.unit.is_empty();
     let is_mixed = found.len() > 1 || raw.channels.iter().any(is_foreign);
     let kept = match wanted {
         Some(wanted) if found.contains(&wanted) => wanted,
         Some(_) => return Ok(()),
         None if motions.len() == 1 && is_mixed => motions[0],
-        // Beside a force, what is not known may be the motion.
+        // Beside a force alone, a channel of unknown quantity may be the motion.
         None if motions.is_empty()
             && !found.is_empty()
             && raw.channels.iter().any(|c| c.quantity == Quantity::Unknown) =>
@@ -177,7 +179,7 @@ fn describe(
     (used, unit)
 }
 
-/// When the samples were taken; interpolates the channels when asked to.
+/// The uniform times of the samples; interpolates the channels onto them where the user asked for it.
 fn place_in_time(source: &FileBytes, raw: &mut Raw, options: &ReadOptions) -> Result<Grid, ReadError> {
     if let Axis::Times { name, values, unit_known } = &raw.axis {
         check_times(source, name, values, &raw.channels)?;
@@ -251,7 +253,7 @@ fn follow_times(source: &FileBytes, raw: &mut Raw, resample: bool) -> Result<Gri
     }
 }
 
-/// Converts every channel to the unit wanted, `SI` or a label of the same kind.
+/// Converts every channel to the unit wanted: `SI`, or a label of the same kind of quantity.
 fn convert(source: &FileBytes, raw: &mut Raw, wanted: &str) -> Result<(), ReadError> {
     for channel in &mut raw.channels {
         let refuse = |reason| ReadError::UnitConversion {

@@ -1,13 +1,14 @@
-//! Which of several times belongs to which channels: records of different specimens or tests may stand in one file.
+//! Which of several times (clocks) belongs to which channels: one file may hold records of different specimens or tests.
 
 use super::units;
 use super::variable::Variable;
 use crate::time_unit::TimeUnit;
 
-/// Clocks whose times since their start agree within this part of an interval are one clock: to the nearest sample they say the same.
+/// Two times are one clock when they agree, each counted from its start, within this part of an interval: to the nearest sample they are
+/// then the same.
 const SAME_CLOCK: f64 = 0.5;
 
-/// Where a name stands: in which struct, at which index of a cell array, and with which mark (`steel` of `time_steel`).
+/// Where a name stands: in which struct, at which index of a cell array, and with which mark (`steel` in `time_steel`).
 #[derive(Debug, PartialEq, Eq)]
 struct Place<'a> {
     parent: &'a str,
@@ -22,7 +23,7 @@ impl<'a> Place<'a> {
         Self { parent, index: &last[at..], mark: mark(&last[..at]) }
     }
 
-    /// Whether a channel at `other` is named as belonging to a time here.
+    /// Whether a channel at the place `other` belongs, by its name, to a time at this place.
     fn owns(&self, other: &Self) -> bool {
         let marked =
             self.mark.is_empty() || other.mark.starts_with(&self.mark) || other.mark.ends_with(&self.mark);
@@ -34,7 +35,7 @@ impl<'a> Place<'a> {
     }
 }
 
-/// What is left of a name without the word for time.
+/// The rest of a name after the word for time is removed.
 fn mark(base: &str) -> String {
     let base = base.to_lowercase();
     let edge = |c: char| matches!(c, '_' | '-' | ' ');
@@ -52,24 +53,25 @@ fn mark(base: &str) -> String {
     if !digits.is_empty() && word(&base[..base.len() - digits.len()]) { digits.into() } else { base }
 }
 
-/// Whether a vector is a time by its name (`time`, `t2`, `time_steel`, `t{1,2}`) and never decreases.
+/// Whether a vector is a time: its name is a word for time alone, or holds one (`t2`, `time_steel`, `t{1,2}`) and its values never
+/// decrease.
 pub(super) fn is_time(v: &Variable) -> bool {
     let rises = || v.values.windows(2).all(|w| w[1] >= w[0]) && v.values.first() < v.values.last();
     v.is_vector() && (units::is_time_name(&v.name) || (is_marked(&v.name) && rises()))
 }
 
-/// Whether a name may be that of a time.
+/// Whether a name may be the name of a time.
 pub(crate) fn is_time_named(name: &str) -> bool {
     units::is_time_name(name) || is_marked(name)
 }
 
-/// Whether the word for time stands in a name beside others.
+/// Whether a name holds a word for time beside other words.
 fn is_marked(name: &str) -> bool {
     let last = name.rsplit('.').next().unwrap_or(name);
     mark(last.split(['{', '[']).next().unwrap_or(last)) != units::base(name)
 }
 
-/// The times of a file, and whether they are the clocks of different records.
+/// The times of a file and its other arrays, to find out whether the times are clocks of different records.
 pub(super) struct Clocks<'a> {
     times: Vec<&'a Variable>,
     others: Vec<&'a Variable>,
@@ -81,7 +83,7 @@ impl<'a> Clocks<'a> {
         Self { times, others }
     }
 
-    /// Names of the times when they do not go together: their clocks differ, or each stands with channels of its own.
+    /// Names of the times when they belong to different records: their clocks differ, or at least two of them have channels of their own.
     pub(super) fn apart(&self) -> Option<Vec<&'a str>> {
         let (first, rest) = self.times.split_first()?;
         let differ = rest.iter().any(|t| !same_clock(first, t));
@@ -90,7 +92,7 @@ impl<'a> Clocks<'a> {
         apart.then(|| self.times.iter().map(|t| t.name.as_str()).collect())
     }
 
-    /// The one time to which all of these channels belong, by their names or else by their length.
+    /// The one time to which all of these channels belong by their names, or else by their length.
     pub(super) fn of_channels(&self, channels: &[String]) -> Option<&'a str> {
         let named = |time: &&&Variable| {
             let place = Place::of(&time.name);
@@ -106,7 +108,7 @@ impl<'a> Clocks<'a> {
         if let [one] = found[..] { Some(&one.name) } else { None }
     }
 
-    /// Whether a channel is named as belonging to another time than `time`, and not to it.
+    /// Whether a channel belongs, by its name, to another time than `time` and not to `time`.
     pub(super) fn is_elsewhere(&self, channel: &Variable, time: &str) -> bool {
         let place = Place::of(&channel.name);
         let owned = |t: &Variable| {
@@ -124,7 +126,7 @@ impl<'a> Clocks<'a> {
     }
 }
 
-/// Whether two times run alike, each from its own start.
+/// Whether two times agree when each is counted from its own start.
 fn same_clock(a: &Variable, b: &Variable) -> bool {
     let factor = |v: &Variable| units::bare(&v.unit).parse::<TimeUnit>().map_or(1.0, TimeUnit::seconds);
     let (fa, fb) = (factor(a), factor(b));
@@ -156,7 +158,7 @@ mod tests {
         assert!(apart(&[("a.t", 0.1, 9), ("a.x", 1.0, 9), ("b.t", 0.1, 9), ("b.x", 1.0, 9)]));
         assert!(apart(&[("t{1,1}", 0.1, 9), ("x{1,1}", 1.0, 9), ("t{1,2}", 0.1, 8), ("x{1,2}", 1.0, 8)]));
         assert!(apart(&[("t1", 0.1, 9), ("x1", 1.0, 9), ("t2", 0.1, 9), ("x2", 1.0, 9)]));
-        // A time of day beside the time, sensors of one test, a temperature that is no time.
+        // None of these is apart: a time of day beside the time, sensors of one test, a temperature whose name is no time.
         assert!(!apart(&[("time", 0.1, 9), ("timestamp", 0.1, 9), ("x", 1.0, 9)]));
         assert!(!apart(&[("t", 0.1, 9), ("x1", 1.0, 9), ("x2", 1.0, 9), ("t_max", -1.0, 9)]));
     }

@@ -1,4 +1,4 @@
-//! From what a reader found to a checked record: units, the grid of times, which of the arrays are channels.
+//! From what a reader found to a checked record: units, the uniform grid of times, and which of the arrays are channels.
 
 pub(crate) mod scales;
 pub(crate) mod units;

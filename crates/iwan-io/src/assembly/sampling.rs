@@ -1,49 +1,51 @@
 //! From a vector of times to a uniform grid: tolerance of rounding, refusal, or interpolation.
 
-/// Largest relative deviation of an interval from the mean one that counts as uniform. Samples of a sinusoid with ten of
-/// them a cycle are then off by 2π/10 · 1e-3 of its amplitude at most, 64 dB below it: below the noise of a test. Beyond it
-/// the times are looked at for rounding, and refused or resampled where that does not explain them.
+/// Largest relative deviation of an interval from the mean interval that counts as uniform. Samples of a sinusoid with ten samples a cycle
+/// are then off by 2π/10 · 1e-3 of its amplitude at most, 64 dB below it: below the noise of a test. Where an interval deviates by more,
+/// the times are examined for rounding, and refused or resampled where rounding does not explain them.
 pub(crate) const UNIFORM: f64 = 1e-3;
 
-/// Times that lie within this part of an interval of an even grid count as even, with a word about it: samples of a sinusoid with
-/// ten of them a cycle are then off by 2π/10 · 5e-3 of its amplitude at most, 50 dB below it. Published records whose times
-/// were rounded and shifted afterwards lie within it.
+/// Times that lie within this part of an interval of an even grid count as even, with a warning: samples of a sinusoid with ten samples a
+/// cycle are then off by 2π/10 · 5e-3 of its amplitude at most, 50 dB below it. Published records whose times were rounded and shifted
+/// afterwards lie within it.
 pub(crate) const JITTER: f64 = 5e-3;
 
-/// Rounding of the written times is tolerated up to this part of an interval: a sample that is missing moves the grid by one
-/// interval, two units of rounding, which half a unit on either side cannot hide.
+/// Coarsest rounding of written times that is tolerated, as a part of an interval: a missing sample moves the grid by one interval, two
+/// units of this rounding, which half a unit on either side cannot hide. Coarser times are not taken as rounded.
 const ROUNDING: f64 = 0.5;
 
-/// Decimals to which times are looked at for rounding, from whole seconds to nanoseconds: more digits than this are those
-/// of single or double precision, which are tried as well.
+/// Numbers of decimals that are tried as the rounding of times, from whole seconds to nanoseconds. Times with more digits have those of
+/// single or double precision, which is tried as well.
 const DECIMALS: std::ops::RangeInclusive<i32> = 0..=9;
 
-/// A time is a multiple of a quantum when it is one within this part of the quantum. In double precision a time of an hour,
-/// counted in nanoseconds, is off by 5e-4 of one; a time that is not rounded passes once in five hundred, and all of them
-/// have to.
+/// Largest distance of a time from a multiple of a quantum (a unit of rounding), as a part of the quantum, at which the time counts as that
+/// multiple. In double precision a time of an hour, counted in nanoseconds, is off by 5e-4 of one. A time that is not rounded passes once
+/// in five hundred, and all times have to pass.
 const MULTIPLE: f64 = 1e-3;
 
-/// Halvings of the bracket around the interval: each takes a third of it off, so that what is left is 1e-14 of it.
+/// Steps of the search for the interval of a grid. Each step takes a third off the bracket around the interval, so that 1e-14 of the
+/// bracket is left.
 const STEPS: usize = 80;
 
-/// What a vector of times is.
+/// What a vector of times was found to be.
 #[derive(Debug, PartialEq)]
 pub(crate) enum Times {
     /// Uniform within [`UNIFORM`].
     Uniform { dt: f64 },
-    /// Uniform within half a unit of the last digit written; `quantum` is the largest such unit.
+    /// Uniform within half a unit of the last digit written; `quantum`, s, is the largest such unit.
     Rounded { dt: f64, quantum: f64 },
     /// Within [`JITTER`] of a uniform grid; `jitter` is the largest distance from it, s.
     Near { dt: f64, jitter: f64 },
-    /// Smaller than the time before it at this sample.
+    /// The time of this sample is smaller than the time before it.
     Unordered { sample: usize },
-    /// Never decreasing, but the same as the time before it at this sample, and at `count` samples in all.
+    /// Never decreasing, but the time of this sample equals the time before it; so do the times of `count` samples in all.
     Repeated { sample: usize, count: usize },
-    /// Increasing, but uneven; the worst interval ends at this sample, and the times lie up to `off` intervals off an even grid.
+    /// Increasing, but uneven: the interval that differs most from the mean ends at this sample, and the times lie up to `off` intervals
+    /// off an even grid.
     Uneven { dt: f64, sample: usize, off: f64 },
 }
 
-/// Judges at least two finite times.
+/// Judges times, of which there are at least two, all finite.
 pub(crate) fn judge(times: &[f64]) -> Times {
     if let Some(i) = times.windows(2).position(|w| w[1] < w[0]) {
         return Times::Unordered { sample: i + 1 };
@@ -81,11 +83,11 @@ pub(crate) fn is_clock(values: &[f64]) -> bool {
         && matches!(judge(values), Times::Uniform { .. } | Times::Rounded { .. } | Times::Near { .. })
 }
 
-/// The interval that differs most from the mean one.
+/// The interval that differs most from the mean interval.
 struct Worst {
     /// The sample at its end.
     sample: usize,
-    /// Difference over the mean interval.
+    /// Relative difference of the interval from the mean interval.
     deviation: f64,
 }
 
@@ -100,8 +102,8 @@ fn worst_interval(times: &[f64], dt: f64) -> Worst {
     worst
 }
 
-/// The even grid that times stand on when each is moved by at most half a unit of its last digit; none where there is no such
-/// grid, or where the unit is too coarse to tell.
+/// The even grid on which the times lie when each is moved by at most half a unit of its last digit; none where there is no such grid, or
+/// where the unit is too coarse to tell.
 fn rounded(times: &[f64], dt: f64) -> Option<Times> {
     let units = units_of_last_digit(times);
     let largest = units.iter().copied().fold(0.0, f64::max);
@@ -121,12 +123,14 @@ fn rounded(times: &[f64], dt: f64) -> Option<Times> {
 /// An even grid.
 struct Even {
     dt: f64,
-    /// Largest distance of a time from it beyond what was allowed there, s; negative where there is room.
+    /// Largest distance of a time from the grid beyond the distance allowed for that time, s; negative where all times lie nearer than
+    /// allowed.
     jitter: f64,
 }
 
-/// The even grid from which the times are at most so far away beyond `allowed` as from no other: for an interval b the distance is half
-/// of max(t - b i - allowed) - min(t - b i + allowed), convex in b, so that a bracket that loses a third at a time finds the least.
+/// The even grid for which the largest distance of a time beyond `allowed` (s, one for each time) is least. For an interval b, that
+/// distance is half of max(t - b i - allowed) - min(t - b i + allowed). It is convex in b, so that a bracket that loses a third at a time
+/// finds the least.
 fn grid(times: &[f64], allowed: &[f64]) -> Even {
     let beyond = |dt: f64| {
         let ends = times.iter().zip(allowed).enumerate();
@@ -148,13 +152,14 @@ fn grid(times: &[f64], allowed: &[f64]) -> Even {
     Even { dt, jitter: beyond(dt) }
 }
 
-/// The largest unit of the last digit that times were written with.
+/// The largest unit of the last digit with which the times were written, s.
 pub(crate) fn last_digit(times: &[f64]) -> f64 {
     units_of_last_digit(times).into_iter().fold(0.0, f64::max)
 }
 
-/// For each time the unit of the last digit it was written with: for each power of ten of its size the coarsest unit that all times of
-/// that size are multiples of; where none is seen that of single precision, if all are numbers of it, or of double precision.
+/// For each time, the unit of the last digit with which it was written, s. For all times of one power of ten it is the coarsest unit of
+/// which all of them are multiples. Where there is no such unit, it is that of single precision, if all times are single-precision numbers,
+/// or else of double precision.
 fn units_of_last_digit(times: &[f64]) -> Vec<f64> {
     let sizes: Vec<i32> = times.iter().map(|t| decade(*t)).collect();
     let mut digits = std::collections::BTreeMap::new();
@@ -166,8 +171,8 @@ fn units_of_last_digit(times: &[f64]) -> Vec<f64> {
     }
     let unit = |digits: i32| if DECIMALS.contains(&digits) { 10.0_f64.powi(-digits) } else { 0.0 };
     let mut units: Vec<(i32, f64)> = digits.into_iter().map(|(size, digits)| (size, unit(digits))).collect();
-    // A few times may be round by chance: a smaller time has no coarser unit than a larger one, and a larger one no more than one
-    // digit less.
+    // A few times may be round by chance. So a smaller time has no coarser unit than a larger one, and a larger time has at most one digit
+    // less for each power of ten.
     for i in (1..units.len()).rev() {
         units[i - 1].1 = units[i - 1].1.min(units[i].1);
     }
@@ -184,7 +189,7 @@ fn units_of_last_digit(times: &[f64]) -> Vec<f64> {
     times.iter().zip(&sizes).map(of).collect()
 }
 
-/// Power of ten of a number's size; that of the smallest one looked at for 0.
+/// Power of ten of a number's size, at least that of the smallest unit examined; 0 has this least power.
 fn decade(t: f64) -> i32 {
     let least = -*DECIMALS.end();
     if t == 0.0 { least } else { (t.abs().log10().floor() as i32).max(least) }
@@ -197,23 +202,24 @@ fn narrow(t: f64) -> f32 {
 
 fn is_multiple(t: f64, q: f64) -> bool {
     let steps = t / q;
-    // What is far smaller than the quantum is no multiple of it.
+    // A number far smaller than the quantum is no multiple of it.
     (steps - steps.round()).abs() < MULTIPLE && (t == 0.0 || steps.round() != 0.0)
 }
 
-/// Samples taken at times that never decrease, at as many even times between the first and the last.
+/// What interpolation onto as many even times, from the first to the last time, did; the times never decrease.
 pub(crate) struct Resampled {
     pub(crate) dt: f64,
-    /// Largest distance of a stamp from the even grid, s.
+    /// Largest distance of a stored time from an even grid, s.
     pub(crate) jitter: f64,
     /// Longest time without a sample, s.
     pub(crate) gap: f64,
-    /// Stamps that were the same as the one before.
+    /// Number of times that equal the time before.
     pub(crate) merged: usize,
 }
 
-/// Puts channels sampled at `times` (never decreasing, not all the same) on an even grid. Samples with the same stamp are averaged. Where
-/// there are none of these, cubics go through the samples; a clock that repeats itself is too coarse for slopes, and straight lines do.
+/// Interpolates channels, sampled at `times` (s, never decreasing, not all equal), onto an even grid. Samples with equal times are
+/// averaged. Where no times are equal, cubics go through the samples; a clock that repeats times is too coarse for slopes, and straight
+/// lines are used.
 pub(crate) fn on_even_grid(times: &[f64], channels: &mut [&mut Vec<f64>]) -> Resampled {
     let n = times.len();
     let dt = mean_interval(times);
@@ -231,7 +237,7 @@ pub(crate) fn on_even_grid(times: &[f64], channels: &mut [&mut Vec<f64>]) -> Res
     Resampled { dt, jitter, gap, merged }
 }
 
-/// `n` samples at `start + i dt` by `between`, which interpolates in the interval behind a sample.
+/// `n` samples at `start + i dt`, interpolated by `between` in the interval that begins at a sample.
 ///
 /// For cubic Hermite interpolation the slope at each sample is that of the parabola through it and its neighbours (three-point formula
 /// for uneven spacing), so that cubic accuracy is lost only at the two ends and a parabola is reproduced exactly.
@@ -268,7 +274,7 @@ fn hermite(times: &[f64], values: &[f64], i: usize, t: f64) -> f64 {
     values[i] + x * (a + x * (3.0 * rise - 2.0 * a - b + x * (a + b - 2.0 * rise)))
 }
 
-/// Slope at sample `i` of the parabola through three neighbouring samples; of the line where there are only two.
+/// Slope at sample `i` of the parabola through three neighbouring samples; of the straight line where there are only two samples.
 fn slope(times: &[f64], values: &[f64], i: usize) -> f64 {
     let n = times.len();
     if n < 3 {
@@ -322,7 +328,7 @@ mod tests {
         }
     }
 
-    /// Six significant digits: microseconds below one second, tens of them above; and 400 Hz in whole milliseconds.
+    /// Times with six significant digits (microseconds below one second, tens of microseconds above), and 400 Hz in whole milliseconds.
     #[test]
     fn half_a_unit_of_the_last_digit_is_allowed_whatever_the_digit() {
         let six = |t: f64| -> f64 { format!("{t:.5e}").parse().unwrap() };

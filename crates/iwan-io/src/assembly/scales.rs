@@ -6,9 +6,9 @@ use crate::quantity::Quantity;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Scale {
     pub(crate) quantity: Quantity,
-    /// What units can be converted into each other: those of the same kind.
+    /// Kind of quantity: units of the same kind can be converted into each other.
     pub(crate) kind: &'static str,
-    /// Factor to `si`; none where the label has two meanings.
+    /// Factor from this unit to `si`; none where the label has two meanings.
     pub(crate) factor: Option<f64>,
     /// Label of the unit in the International System.
     pub(crate) si: &'static str,
@@ -27,7 +27,7 @@ pub(crate) fn scale(label: &str) -> Option<Scale> {
     length_or_angle(&text).or_else(|| others(&text)).or_else(|| others(&text.to_lowercase()))
 }
 
-/// Letters as written, without brackets, blanks and signs of powers and products.
+/// The label without brackets, blanks and signs of powers and products; the case of its letters stays.
 fn plain(label: &str) -> String {
     let inside = label.trim().trim_matches(['[', ']', '(', ')', '{', '}', '<', '>']);
     let letters =
@@ -94,7 +94,7 @@ fn base(text: &str) -> Option<(f64, bool)> {
     Some((factor, false))
 }
 
-/// All that is no rate of a length.
+/// The units that are neither a length or an angle nor a time derivative of one.
 fn others(text: &str) -> Option<Scale> {
     let (quantity, si, factor) = match text {
         "g" | "gn" | "G" | "gs" | "g's" => (Quantity::Acceleration, "m/s^2", Some(GRAVITY)),
@@ -104,7 +104,7 @@ fn others(text: &str) -> Option<Scale> {
         "kN" | "kn" => (Quantity::Force, "N", Some(1e3)),
         "mN" => (Quantity::Force, "N", Some(1e-3)),
         "MN" => (Quantity::Force, "N", Some(1e6)),
-        // Somebody's millinewton or meganewton, written in small letters.
+        // The label may mean millinewton or meganewton, written in small letters: no factor.
         "mn" => (Quantity::Force, "N", None),
         "lb" | "lbf" | "lbs" | "pound" | "pounds" | "Pound" | "Pounds" => {
             (Quantity::Force, "N", Some(POUND_FORCE))

@@ -1,4 +1,4 @@
-//! Quantities from names, and names and units from what stands above a column.
+//! Quantities from names and units, and name and unit from the header of a column.
 
 use super::scales::scale;
 use crate::quantity::Quantity;
@@ -51,16 +51,16 @@ pub(crate) fn is_unit(text: &str) -> bool {
     scale(text).is_some() || bare(text).parse::<TimeUnit>().is_ok()
 }
 
-/// A label without the brackets around it.
+/// A label without the brackets that enclose it.
 pub(crate) fn bare(unit: &str) -> &str {
     unit.trim().trim_matches(['[', ']', '(', ')', '{', '}', '<', '>']).trim()
 }
 
-/// What stands above a column.
+/// Name and unit from the header of a column.
 #[derive(Debug, PartialEq, Eq)]
 pub(crate) struct Label {
     pub(crate) name: String,
-    /// Empty where there is none.
+    /// Empty where the header has no unit.
     pub(crate) unit: String,
 }
 
@@ -80,17 +80,17 @@ pub(crate) fn split_unit(header: &str) -> Label {
         .unwrap_or_else(|| Label::new(header, ""))
 }
 
-/// The unit of time that stands in the name of an array, such as `Time [ms]`; empty where there is none.
+/// The unit of time in the name of an array, such as `Time [ms]`; empty where the name has none.
 pub(crate) fn time_unit_in(name: &str) -> String {
     split_unit(name).unit.parse::<TimeUnit>().map_or_else(|_| String::new(), |unit| unit.to_string())
 }
 
-/// The known unit in brackets at the end of an array's name; empty where there is none.
+/// The known unit in brackets at the end of an array's name; empty where the name has none.
 pub(crate) fn unit_in(name: &str) -> String {
     bracketed(name).map(|label| label.unit).filter(|unit| scale(unit).is_some()).unwrap_or_default()
 }
 
-/// A unit in brackets at the end; an index is none.
+/// Name and unit of a header that ends in a unit in brackets; digits and commas in brackets are an index and no unit.
 fn bracketed(header: &str) -> Option<Label> {
     [('[', ']'), ('(', ')'), ('{', '}'), ('<', '>')].into_iter().find_map(|(open, close)| {
         let (name, unit) = header.strip_suffix(close)?.split_once(open)?;
@@ -100,15 +100,15 @@ fn bracketed(header: &str) -> Option<Label> {
     })
 }
 
-/// A unit behind a stroke, as ISO 80000-1 writes it.
+/// Name and unit of a header in which a stroke separates them, as in ISO 80000-1.
 fn divided(header: &str) -> Option<Label> {
     let (name, unit) = header.split_once('/')?;
     let known = scale(unit).is_some() || is_time_name(name) && is_unit(unit);
-    // A header that is a unit as a whole, such as m/s, is no name over one.
+    // A header that is a unit as a whole, such as m/s, is not split into a name and a unit.
     (known && scale(header).is_none() && !name.trim().is_empty()).then(|| Label::new(name.trim(), bare(unit)))
 }
 
-/// A unit of time behind a name that means time.
+/// Name and unit of a header in which a unit of time follows a name that means time.
 fn attached(header: &str) -> Option<Label> {
     ["_", ", ", " in ", " "].into_iter().find_map(|between| {
         let (name, unit) = header.rsplit_once(between)?;
@@ -117,7 +117,7 @@ fn attached(header: &str) -> Option<Label> {
     })
 }
 
-/// Whether a variable or column of this name is the time.
+/// Whether the name of a variable or column means time.
 pub(crate) fn is_time_name(name: &str) -> bool {
     const NAMES: [&str; 9] = ["t", "time", "times", "timestamp", "seconds", "sec", "zeit", "temps", "tid"];
     NAMES.contains(&base(name).as_str())

@@ -1,6 +1,6 @@
-//! A named array, as it stands in a file.
+//! A named array as a file stores it.
 
-/// A named array of one or two dimensions, column after column.
+/// A named array of one or two dimensions, stored column after column.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Variable {
     pub(crate) name: String,
@@ -11,7 +11,7 @@ pub(crate) struct Variable {
 }
 
 impl Variable {
-    /// One column.
+    /// An array of one column.
     pub(crate) fn vector(name: String, unit: String, values: Vec<f64>) -> Self {
         Self { name, unit, rows: values.len(), columns: 1, values }
     }
@@ -20,7 +20,7 @@ impl Variable {
         (self.rows == 1 || self.columns == 1) && self.values.len() > 1
     }
 
-    /// The channels in an array: samples run along the dimension of `length`, else along the longer one.
+    /// The channels in an array, one vector each: samples run along the dimension that is `length` long, else along the longer one.
     pub(super) fn split(self, length: Option<usize>) -> Vec<Variable> {
         if self.rows <= 1 || self.columns <= 1 || self.values.is_empty() {
             return vec![self];

@@ -1,4 +1,4 @@
-//! Named arrays (columns, NumPy arrays, MATLAB variables): which is the time, which are channels.
+//! Named arrays (columns, NumPy arrays, MATLAB variables): which of them is the time, and which are channels.
 
 use super::assemble::{Axis, Channel, Raw};
 use super::clocks::{self, Clocks};
@@ -17,7 +17,7 @@ use iwan_machine::listed;
 pub(crate) struct Chooser<'a> {
     pub(crate) source: FileBytes<'a>,
     pub(crate) options: &'a ReadOptions,
-    /// One table, whose first column may be a time without a name.
+    /// Whether the arrays are columns of one table, whose first column may be a time without a name.
     pub(crate) tabular: bool,
 }
 
@@ -49,7 +49,7 @@ impl Chooser<'_> {
         Ok(Raw { axis, channels: channels.into_iter().map(into_channel).collect(), chosen, warnings })
     }
 
-    /// The time named by the user, or that of the channels named, or the only one.
+    /// The time that the user named, or the time to which the named channels belong, or else the only time of the file.
     fn stored_time(
         &self,
         variables: &mut Vec<Variable>,
@@ -90,7 +90,7 @@ impl Chooser<'_> {
         }
     }
 
-    /// The first vector with a name that means time.
+    /// The first vector whose name means time.
     fn first_time(
         &self,
         variables: &mut Vec<Variable>,
@@ -110,7 +110,7 @@ impl Chooser<'_> {
         self.in_seconds(time, warnings)
     }
 
-    /// The times in seconds, by the user's word on their unit or else the file's.
+    /// The times in seconds: the user's unit of time, or else the file's.
     fn in_seconds(&self, time: Variable, warnings: &mut Vec<Warning>) -> Result<Axis, ReadError> {
         let Variable { name, unit, mut values, .. } = time;
         let unit = if unit.is_empty() { units::time_unit_in(&name) } else { unit };
@@ -146,7 +146,7 @@ impl Chooser<'_> {
         axis.ok_or_else(|| self.unknown("time", name, names))
     }
 
-    /// The first column, when it increases uniformly and is not the only one.
+    /// The first column as time, when it increases uniformly and is not the only column.
     fn unnamed_time(
         &self,
         variables: &mut Vec<Variable>,
@@ -162,7 +162,8 @@ impl Chooser<'_> {
         self.in_seconds(time, warnings)
     }
 
-    /// A first column of a table that rises from row to row without being even may be the time: the user is asked, and nothing is guessed.
+    /// A first column that rises from row to row, but unevenly, may be the time. The error returned then asks the user; the column is not
+    /// taken as time by a guess.
     fn ask_about_first(&self, variables: &[Variable], names: &str) -> Result<(), ReadError> {
         let asked = self.tabular && self.options.rate.is_none() && variables.len() > 1;
         let Some(first) = variables.first().filter(|v| asked && !self.is_channel(&v.name)) else {
@@ -204,7 +205,7 @@ impl Chooser<'_> {
         Ok(found)
     }
 
-    /// Every vector as long as the time; without a time, all vectors, which then must be equally long.
+    /// Every vector as long as the time. Without a time, all vectors, which then must be equally long.
     fn all_channels(
         &self,
         variables: Vec<Variable>,
@@ -262,7 +263,7 @@ fn length_of(axis: &Axis) -> Option<usize> {
     if let Axis::Times { values, .. } = axis { Some(values.len()) } else { None }
 }
 
-/// A single number called `dt` (seconds) or `fs`, `rate` and the like (Hz).
+/// A uniform axis from a single number called `dt` (seconds), or `fs`, `rate` and the like (Hz); no axis where there is none.
 fn step_from_scalars(variables: &[Variable]) -> Axis {
     const STEPS: [&str; 4] = ["dt", "delta_t", "time_step", "sampling_interval"];
     const RATES: [&str; 7] =
@@ -330,7 +331,7 @@ mod tests {
         assert_eq!(raw.channels[0].values, [5.0, 6.0, 7.0, 8.0, 9.0]);
     }
 
-    /// A name `Time [ms]` was read as seconds.
+    /// An array called `Time [ms]` was once read as seconds.
     #[test]
     fn units_in_names_of_arrays_are_obeyed() {
         let raw = choose(vec![array("Time [ms]", 3, 1), array("x (mm/s^2)", 3, 1)], &ReadOptions::default());

@@ -8,8 +8,8 @@ use tempfile::Builder;
 
 use super::litter;
 
-/// Bytes gathered before the operating system is asked to write: 64 KiB, eight times what the standard library takes, for
-/// files of many megabytes.
+/// Bytes gathered before they are passed to the operating system: 64 KiB, eight times the default of the standard library, because files
+/// have many megabytes.
 const BUFFER: usize = 1 << 16;
 
 /// Why a file could not be written.
@@ -45,7 +45,7 @@ pub enum WriteError {
     Io {
         /// Destination.
         path: PathBuf,
-        /// The step.
+        /// The step that was refused.
         action: &'static str,
         /// Reason given by the operating system.
         source: io::Error,
@@ -53,7 +53,7 @@ pub enum WriteError {
 }
 
 impl WriteError {
-    /// Its kind in the catalogue of errors.
+    /// The error's kind in the catalogue of errors.
     #[must_use]
     pub fn kind(&self) -> Kind {
         match self {
@@ -69,11 +69,11 @@ pub(super) fn io_error(path: &Path, action: &'static str) -> impl FnOnce(io::Err
     move |source| WriteError::Io { path, action, source }
 }
 
-/// Writes one file through `fill`; it appears under `path` when all is on the disk.
+/// Writes one file through `fill`; it appears under `path` when all of it is on the disk.
 ///
 /// # Errors
 /// [`WriteError::Exists`] when `path` exists and `force` is false (checked again in the moment of renaming);
-/// [`WriteError::Io`] for what the operating system or `fill` reports. Then `path` is as it was.
+/// [`WriteError::Io`] for errors of the operating system or of `fill`. In both cases `path` stays as it was.
 ///
 /// ```
 /// use std::io::Write;
@@ -98,7 +98,7 @@ pub fn write_file(
     let temporary =
         litter::file(&builder(0o666), folder).map_err(io_error(path, "create a temporary file"))?;
     let (file, temporary) = temporary.into_parts();
-    // The lock stays until the file has its name.
+    // The second handle keeps the lock until the file has its final name.
     let _alive = file.try_clone();
     write_through(path, file, fill)?;
     let persisted = if force { temporary.persist(path) } else { temporary.persist_noclobber(path) };
@@ -108,7 +108,7 @@ pub fn write_file(
     })
 }
 
-/// Temporary names with the permissions that the user's mask allows, not the stricter ones of temporary files.
+/// Makes temporary names with the permissions that the user's mask allows, not with the stricter ones usual for temporary files.
 pub(super) fn builder(mode: u32) -> Builder<'static, 'static> {
     let mut builder = Builder::new();
     builder.prefix(litter::PREFIX);
@@ -134,7 +134,7 @@ pub(super) mod tests {
     use super::*;
     use std::fs;
 
-    /// Names in a folder, in their order.
+    /// Sorted names of the entries of a folder.
     pub(in crate::atomic) fn names(folder: &Path) -> Vec<String> {
         let mut names: Vec<String> =
             fs::read_dir(folder).unwrap().map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
@@ -166,7 +166,7 @@ pub(super) mod tests {
         assert_eq!(fs::read(&path).unwrap(), b"3");
     }
 
-    /// A process that was killed while it wrote a single file left it under its temporary name for ever.
+    /// A process that was killed while it wrote a single file once left that file under its temporary name for ever.
     #[test]
     fn the_next_write_clears_what_a_killed_one_left() {
         let place = tempfile::tempdir().unwrap();

@@ -10,8 +10,8 @@ use super::litter::{self, Staging};
 /// Several files of one folder that become visible together.
 ///
 /// A folder that does not exist yet appears in one step with all its files. In a folder that exists, the files are
-/// renamed one after the other; when one of them cannot be, those before it are taken back and the files they
-/// replaced return. Only a crash between two renamings can leave a part. Dropped without [`Folder::commit`], nothing
+/// renamed one after the other; when one renaming fails, the earlier ones are undone and the files they
+/// replaced return. Only a crash between two renamings can leave some of the files. If the value is dropped without [`Folder::commit`], nothing
 /// appears.
 ///
 /// ```
@@ -27,18 +27,18 @@ use super::litter::{self, Staging};
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///
-/// Of two processes with one destination one wins whole and the other is told. What a process that was killed has left behind is
-/// removed by the next one that writes into the same place.
+/// Of two processes with one destination, one writes all its files and the other gets an error. Files that a killed process has left behind
+/// are removed by the next process that writes into the same place.
 #[derive(Debug)]
 pub struct Folder {
     target: PathBuf,
-    /// Whether the folder was there when this began.
+    /// Whether the folder existed when this value was made.
     joins: bool,
-    /// Held where the folder was there: nobody else writes into it.
+    /// A lock on the folder where it existed: nobody else writes into it.
     alone: Option<File>,
     staging: Staging,
     names: Vec<String>,
-    /// Names that go where nothing new takes their place.
+    /// Names of earlier results that are removed where no new file replaces them.
     outdated: Vec<String>,
     force: bool,
 }
@@ -62,13 +62,13 @@ impl Folder {
         Ok(Self { target, joins, alone, staging, names: Vec::new(), outdated: Vec::new(), force })
     }
 
-    /// Where the files are until they appear: what ends the process itself removes it.
+    /// The folder in which the files are until they appear. Code that ends the process without dropping this value must remove the folder.
     #[must_use]
     pub fn staged(&self) -> &Path {
         self.staging.path()
     }
 
-    /// Says early, before a long computation, whether these names may be written.
+    /// Checks early, before a long computation, whether these names may be written.
     ///
     /// # Errors
     /// [`WriteError::Folder`] for the first name that is a folder; [`WriteError::Exists`] for the first name that
@@ -84,15 +84,15 @@ impl Folder {
         }
     }
 
-    /// Says which files belong to these results: with `force`, those of an earlier run that this one does not write go when all appear, so that no folder
-    /// holds results of two runs.
+    /// States which files belong to these results. With `force`, files of an earlier run that this run does not write are removed when all
+    /// appear, so that no folder holds results of two runs.
     #[must_use]
     pub fn in_place_of(mut self, names: &[&str]) -> Self {
         self.outdated = names.iter().map(ToString::to_string).collect();
         self
     }
 
-    /// Leaves one of these files where it is although nothing takes its place.
+    /// Keeps one of these files where it is although no new file replaces it.
     pub fn spare(&mut self, name: &str) {
         self.outdated.retain(|outdated| outdated != name);
     }
@@ -109,7 +109,7 @@ impl Folder {
         if Path::new(name).file_name() != Some(name.as_ref()) {
             return Err(WriteError::Name { path: name.into() });
         }
-        // A folder that has appeared since is the business of the commit, which may choose another name.
+        // Where the folder has appeared since this value was made, only the commit checks the names; it may choose another folder.
         if self.joins {
             self.check(&[name])?;
         }
@@ -130,7 +130,7 @@ impl Folder {
         if !self.target.exists() {
             return self.appear().map_err(|refused| refused.1);
         }
-        // Made by another process since this one began.
+        // The folder exists although it did not when this value was made: another process made it.
         let _alone = if self.alone.is_none() { locked(&self.target)? } else { None };
         let names: Vec<&str> = self.names.iter().map(String::as_str).collect();
         self.check(&names)?;
@@ -144,14 +144,14 @@ impl Folder {
             }
         }
         for name in self.outdated.iter().filter(|name| self.force && !self.names.contains(name)) {
-            // What cannot be moved stays, as everything does that this run knows nothing of.
+            // A file that cannot be moved stays, as do all files that are not among the names of results.
             let _ = fs::rename(self.target.join(name), replaced.path().join(name));
         }
         Ok(())
     }
 
-    /// Makes all files visible in a folder that does not exist yet: the destination, or the first that `next` names and nobody has taken
-    /// in the meantime. Returns which.
+    /// Makes all files visible in a folder that does not exist yet: the destination, or the first folder named by `next` that does not
+    /// exist by then. Returns the folder.
     ///
     /// # Errors
     /// [`WriteError::Io`]; then nothing has become visible.
@@ -171,7 +171,7 @@ impl Folder {
         }
     }
 
-    /// Renames the staged folder; the guard goes only after success, as it removes what was staged.
+    /// Renames the staged folder. The guard is released only after success, because it removes the staged files when dropped.
     fn appear(self) -> Result<(), Box<(Self, WriteError)>> {
         let renamed =
             litter::forget(self.staging.path()).and_then(|()| fs::rename(self.staging.path(), &self.target));
@@ -200,7 +200,7 @@ impl Folder {
         fs::rename(&new, &target).map_err(io_error(&target, "rename"))
     }
 
-    /// Undoes [`Folder::exchange`], however far it came.
+    /// Undoes [`Folder::exchange`], also where only its first step was done.
     fn take_back(&self, name: &str, replaced: &Path) {
         let (new, target, old) =
             (self.staging.path().join(name), self.target.join(name), replaced.join(name));
@@ -213,7 +213,7 @@ impl Folder {
     }
 }
 
-/// The folder, for this process alone; none where the system has no locks for folders.
+/// A lock on the folder for this process alone; none where the system has no locks for folders.
 fn locked(folder: &Path) -> Result<Option<File>, WriteError> {
     let Ok(file) = File::open(folder) else { return Ok(None) };
     match file.try_lock() {
@@ -251,7 +251,7 @@ mod tests {
         assert_eq!(fs::read(place.path().join("a")).unwrap(), b"old");
     }
 
-    /// A second fit with --force into one folder left the first one's law beside its own results.
+    /// A second fit with --force into one folder once left the first fit's law beside its own results.
     #[test]
     fn results_of_two_runs_do_not_stand_side_by_side() {
         let place = tempfile::tempdir().unwrap();
@@ -267,7 +267,7 @@ mod tests {
         assert_eq!(fs::read(place.path().join("a")).unwrap(), b"new");
     }
 
-    /// Two processes wrote into one folder that was there: five times of sixty it then held files of both.
+    /// Two processes once wrote into one folder that existed: five times of sixty it then held files of both.
     #[test]
     fn one_folder_has_one_writer() {
         let place = tempfile::tempdir().unwrap();
@@ -277,14 +277,14 @@ mod tests {
         assert!(Folder::stage(place.path(), false).is_ok());
     }
 
-    /// The second of two runs without a place of their own computed, and failed in the end.
+    /// Of two runs that named no folder, the second once computed to the end and then failed.
     #[test]
     fn the_later_of_two_takes_the_next_name() {
         let place = tempfile::tempdir().unwrap();
         let (out, next) = (place.path().join("out"), place.path().join("out-2"));
         let both = [1, 2].map(|_| Folder::stage(&out, false).unwrap());
         let took = both.map(|mut folder| {
-            // For the second one the name has gone by now.
+            // The second run finds its name taken by now.
             folder.write("a", |w| w.write_all(b"1")).unwrap();
             folder.commit_where_free(|| next.clone()).unwrap()
         });
@@ -292,7 +292,7 @@ mod tests {
         assert_eq!((names(&out), names(&next)), (vec!["a".to_string()], vec!["a".to_string()]));
     }
 
-    /// After SIGKILL up to 650 MB stayed for good.
+    /// After SIGKILL, up to 650 MB once stayed for good.
     #[test]
     fn the_next_run_clears_what_a_killed_one_left() {
         let place = tempfile::tempdir().unwrap();
@@ -324,7 +324,7 @@ mod tests {
         assert_eq!(names(place.path()), ["a", "b"]);
     }
 
-    /// Overwriting once deleted a folder that stood in the place of a file, with all that was in it.
+    /// Overwriting once deleted a folder with all its contents, because its name was that of a file to be written.
     #[test]
     fn folders_are_never_overwritten() {
         let place = tempfile::tempdir().unwrap();

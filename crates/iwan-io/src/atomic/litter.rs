@@ -1,25 +1,26 @@
-//! Folders and single files that are being filled, and those that a killed process has left.
+//! Temporary folders and files: those that are being filled, and the litter, those that a killed process has left.
 //!
-//! A process holds a lock on its folder as long as it lives, whatever ends it, and one on a file in it, for systems that lock no folders. A folder whose locks
-//! are free belongs to nobody. The lock on the folder is there from its making until it stands under its final name, and also where a process was killed while it cleared
-//! such a folder away, when the file was gone already.
+//! A process holds a lock on its temporary folder as long as it lives, however it ends, and a second lock on a file in the folder, for
+//! systems that cannot lock folders. A folder whose locks are free belongs to no living process. The lock on the folder also covers the
+//! time between making the folder and giving it its final name, and the case of a process that was killed while it removed such a folder
+//! and had already removed the file.
 
 use std::fs::{self, File, TryLockError};
 use std::io;
 use std::path::Path;
 use tempfile::{Builder, NamedTempFile, TempDir};
 
-/// What temporary names begin with.
+/// Beginning of all temporary names.
 pub(crate) const PREFIX: &str = ".iwan-";
 
-/// The file that is locked.
+/// Name of the file in a temporary folder that is locked.
 const LOCK: &str = ".lock";
 
-/// Tries for a folder or a file of one's own. One that clears litter can take a folder for litter between its making and its lock, and hardly
-/// twice: a hundred tries mean that something else is wrong.
+/// Attempts to make a folder or a file of one's own. Another process that removes litter can take a folder for litter between its making
+/// and its lock, and hardly twice; a hundred failures mean that something else is wrong, and an error is returned.
 const TRIES: usize = 100;
 
-/// A folder that is being filled, with the lock that says that its process lives.
+/// A folder that is being filled, with the locks that show that its process lives.
 #[derive(Debug)]
 pub(crate) struct Staging {
     _alive: [Option<File>; 2],
@@ -27,22 +28,22 @@ pub(crate) struct Staging {
 }
 
 impl Staging {
-    /// Where it is.
+    /// The folder's path.
     pub(crate) fn path(&self) -> &Path {
         self.folder.path()
     }
 
-    /// The lock goes, the folder stays wherever it is: under its final name, or after a kill.
+    /// Releases the locks; the folder stays: under its final name, or, in tests, as after a kill.
     pub(crate) fn keep(self) {
         let _ = self.folder.keep();
     }
 }
 
-/// A file in `place`, locked as long as it is open anywhere in this process.
+/// Makes a temporary file in `place`, locked as long as it is open anywhere in this process.
 pub(crate) fn file(builder: &Builder<'_, '_>, place: &Path) -> io::Result<NamedTempFile> {
     for _ in 0..TRIES {
         let file = builder.tempfile_in(place)?;
-        // As with folders, a lock that somebody else holds is that of a process which is clearing it away.
+        // As with folders, a lock held by somebody else is that of a process that is removing the file as litter.
         let taken = matches!(file.as_file().try_lock(), Err(TryLockError::WouldBlock));
         if !taken && file.path().exists() {
             return Ok(file);
@@ -51,7 +52,7 @@ pub(crate) fn file(builder: &Builder<'_, '_>, place: &Path) -> io::Result<NamedT
     Err(io::Error::other("another process removes temporary files"))
 }
 
-/// A folder in `place`.
+/// Makes a temporary folder in `place`, with its locks.
 pub(crate) fn staging(builder: &Builder<'_, '_>, place: &Path) -> io::Result<Staging> {
     let mut last = None;
     for _ in 0..TRIES {
@@ -66,8 +67,8 @@ pub(crate) fn staging(builder: &Builder<'_, '_>, place: &Path) -> io::Result<Sta
             }
             Err(error) => return Err(error),
         };
-        // A lock that somebody else holds is that of a process which is clearing this folder away. Where the file system has no locks,
-        // nothing is ever cleared, and all goes well without.
+        // A lock held by somebody else is that of a process that is removing this folder as litter. Where the file system has no locks,
+        // nothing is ever removed as litter, and the folder may be used without a lock.
         if matches!(file.try_lock(), Err(TryLockError::WouldBlock)) {
             continue;
         }
@@ -78,7 +79,7 @@ pub(crate) fn staging(builder: &Builder<'_, '_>, place: &Path) -> io::Result<Sta
     Err(last.unwrap_or_else(|| io::Error::other("another process removes temporary folders")))
 }
 
-/// The folder becomes a result: it is no longer to be cleared.
+/// Removes the lock file of a folder that becomes a result, so that it no longer counts as a temporary folder.
 pub(crate) fn forget(folder: &Path) -> io::Result<()> {
     match fs::remove_file(folder.join(LOCK)) {
         Err(error) if error.kind() != io::ErrorKind::NotFound => Err(error),
@@ -86,10 +87,10 @@ pub(crate) fn forget(folder: &Path) -> io::Result<()> {
     }
 }
 
-/// A folder that somebody else has locked.
+/// The error of a folder that somebody else has locked.
 struct Taken;
 
-/// The folder with a lock on it; none where the system locks no folders.
+/// A lock on the folder; none where the system cannot lock folders.
 fn locked(folder: &Path) -> Result<Option<File>, Taken> {
     let Ok(file) = File::open(folder) else { return Ok(None) };
     match file.try_lock() {
@@ -99,7 +100,8 @@ fn locked(folder: &Path) -> Result<Option<File>, Taken> {
     }
 }
 
-/// Removes folders and files that processes which live no longer have left in `place`. What cannot be removed stays: it is not this run's business.
+/// Removes temporary folders and files in `place` whose processes live no longer. Those that cannot be removed stay; that is no error of
+/// this run.
 pub(crate) fn clear(place: &Path) {
     let Ok(entries) = fs::read_dir(place) else { return };
     for entry in entries.flatten().filter(|e| e.file_name().to_string_lossy().starts_with(PREFIX)) {
@@ -126,7 +128,7 @@ mod tests {
     use super::*;
     use std::thread;
 
-    /// A run found its folder gone: another had taken it for litter between its making and its lock.
+    /// A run once found its folder gone: another run had taken it for litter between its making and its lock.
     #[test]
     fn a_folder_that_is_being_made_is_no_litter() {
         let place = tempfile::tempdir().unwrap();
@@ -134,7 +136,7 @@ mod tests {
             let clearing = scope.spawn(|| (0..20_000).for_each(|_| clear(place.path())));
             while !clearing.is_finished() {
                 let staging = staging(Builder::new().prefix(PREFIX), place.path()).unwrap();
-                // What was going to remove it has had its time.
+                // By now a process that took the folder for litter would have removed it.
                 thread::yield_now();
                 clear(place.path());
                 assert!(staging.path().join(LOCK).exists());
@@ -142,8 +144,8 @@ mod tests {
         });
     }
 
-    /// A process was killed while it made its folder, while it gave it its name or while it cleared one away: the folder had no locked file, and no later run removed
-    /// it (one of 160 kills).
+    /// A process was killed while it made its folder, gave it its final name or removed litter: the folder had no locked file, and no later
+    /// run removed it (one of 160 kills).
     #[cfg(unix)]
     #[test]
     fn a_folder_without_its_file_is_litter_unless_its_process_lives() {

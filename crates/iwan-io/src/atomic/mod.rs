@@ -1,6 +1,6 @@
 //! Files that appear whole or not at all.
 //!
-//! Everything is written beside its destination under a temporary name, flushed to the disk, then renamed. Whatever
+//! Each file is written beside its destination under a temporary name, flushed to the disk, then renamed. Whatever
 //! happens before the renaming, an error or a crash, leaves the destination as it was.
 
 mod litter;

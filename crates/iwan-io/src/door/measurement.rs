@@ -11,14 +11,14 @@ use crate::warning::Warning;
 use std::collections::{HashMap, HashSet};
 use std::path::Path;
 
-/// One channel with what the file says about it.
+/// One channel with its name, unit, quantity and place.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MeasuredChannel {
-    /// Name, with node and direction where channels of a record have one name.
+    /// Name; node and direction are added where several channels of a record have the same name.
     pub name: String,
-    /// Unit as the file writes it; empty when it says none.
+    /// Unit as the file writes it; empty when the file states none.
     pub unit: String,
-    /// What it measures.
+    /// What the channel measures.
     pub quantity: Quantity,
     /// Samples.
     pub samples: Vec<f64>,
@@ -38,7 +38,7 @@ pub struct Measurement {
 /// What a file of a modal test holds.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ModalTest {
-    /// Records in time, one for each time that a channel's node, direction and quantity come again.
+    /// Records in time. A new record begins whenever name, place (node and direction) and quantity of a channel repeat.
     pub measurements: Vec<Measurement>,
     /// Frequency responses (universal files).
     pub responses: Vec<UffFunction>,
@@ -76,7 +76,8 @@ pub fn read_modal_test(path: &Path, options: &ReadOptions) -> Result<ModalTest, 
     Ok(ModalTest { measurements: vec![Measurement { dt, channels }], responses: Vec::new(), warnings })
 }
 
-/// Intervals of channels may differ by this part, two units of the fifth and last digit that an ASCII header has.
+/// Largest relative difference of the channels' sampling intervals, two units of the fifth and last digit that an ASCII header has.
+/// Channels that differ by more are refused.
 const SAME_INTERVAL: f64 = 2e-5;
 
 fn universal(source: &FileBytes) -> Result<ModalTest, ReadError> {
@@ -103,7 +104,7 @@ fn universal(source: &FileBytes) -> Result<ModalTest, ReadError> {
     Ok(test)
 }
 
-/// Channels of one name get their places into it: some programs write the same identification for all.
+/// Adds node and direction to the names of channels that share one name: some programs write the same identification for all channels.
 fn tell_apart(measurement: &mut Measurement) {
     let mut counts: HashMap<String, usize> = HashMap::new();
     measurement.channels.iter().for_each(|c| *counts.entry(c.name.clone()).or_default() += 1);
@@ -118,10 +119,11 @@ fn placed(channel: &MeasuredChannel) -> String {
     channel.at.map_or_else(|| channel.name.clone(), |at| format!("{} at {at}", channel.name))
 }
 
-/// What a channel of a measurement is known by: name, place and quantity.
+/// What identifies a channel of a measurement: name, place and quantity.
 type Identity = (String, Option<NodalDirection>, Quantity);
 
-/// Adds a function to the last measurement, whose channels are `known`, or to a new one where it holds such a channel already.
+/// Adds a function to the last measurement, whose channels are `known`; where that measurement holds such a channel already, the function
+/// begins a new one.
 fn add(
     source: &FileBytes,
     (all, known): (&mut Vec<Measurement>, &mut HashSet<Identity>),
@@ -157,7 +159,7 @@ mod tests {
     use super::*;
     use crate::uff::write;
 
-    /// A force at node 1 and two motions, all with one identification.
+    /// A force at node 1 and two motions, all with the same identification.
     fn functions(last: (f64, usize)) -> Vec<UffFunction> {
         let function = |node, quantity, (step, samples): (f64, usize)| UffFunction {
             name: "Record 1".into(),

@@ -1,4 +1,4 @@
-//! The doors to all formats: a record of channels that measure one thing, and all channels of a modal test.
+//! The entry points to all formats: one for a record whose channels measure one quantity, one for all channels of a modal test.
 
 mod read;
 mod measurement;

@@ -1,4 +1,4 @@
-//! One door to all formats.
+//! The entry point to all formats.
 
 use crate::assembly::{Raw, assemble};
 use crate::error::ReadError;
@@ -9,10 +9,10 @@ use crate::{lvm, mat, numpy, text, uff, wav};
 use iwan_machine::shortened;
 use std::path::Path;
 
-/// Reads a record; the format is found from the content and, where that does not tell, from the extension.
+/// Reads a record. The format is found from the content and, where the content does not decide, from the extension.
 ///
-/// Memory: at most 64 bytes for each byte of the file; for compressed files (NPZ, MAT), of the decompressed file,
-/// which deflate limits to 1032 times the file. No count in a header is trusted for an allocation.
+/// Memory: at most 64 bytes for each byte of the file. For compressed files (NPZ, MAT) the decompressed file counts,
+/// whose size deflate limits to 1032 times that of the file. No count in a header is trusted for an allocation.
 ///
 /// # Errors
 /// [`ReadError`] names the file, the place in it, what stands there, what is allowed and what helps.
@@ -34,7 +34,7 @@ pub fn read(path: impl AsRef<Path>, options: &ReadOptions) -> Result<Record, Rea
     read_bytes(file, &bytes, options)
 }
 
-/// The same from bytes in memory; `file` serves the extension and the messages only.
+/// Reads a record from bytes in memory; `file` serves the extension and the messages only.
 ///
 /// # Errors
 /// As [`read`].
@@ -44,10 +44,10 @@ pub fn read_bytes(file: &Path, bytes: &[u8], options: &ReadOptions) -> Result<Re
     assemble(&source, raw, options)
 }
 
-/// First bytes of a TDMS file, which is named with what to do and not read.
+/// First bytes of a TDMS file. Such a file is not read; its error says how to convert it.
 const TDMS_MAGIC: &[u8] = b"TDSm";
 
-/// The format by the user's word, by content, or by the extension.
+/// The format that the user gave, else that of the content, else that of the extension.
 pub(super) fn format_of(source: &FileBytes, options: &ReadOptions) -> Option<Format> {
     options.format.or_else(|| by_content(source.bytes)).or_else(|| by_extension(source.file))
 }
@@ -97,12 +97,12 @@ fn by_content(bytes: &[u8]) -> Option<Format> {
     }
 }
 
-/// Bytes in which the first two lines that are not empty of a universal file stand: five lines of 80 columns.
+/// Number of bytes, five lines of 80 columns, in which the first two non-empty lines of a universal file must stand to be recognised.
 const LOOKED_AT: usize = 400;
-/// Width of the field of a dataset's number, I6; with the `b` of 58b it fits in it.
+/// Width in characters of the field of a dataset's number, I6; the number with the `b` of 58b fits in it.
 const WIDTH: usize = 6;
 
-/// A line `-1` behind four blanks, then a line that starts with a dataset number.
+/// Whether a file begins with a line `-1` behind four blanks, followed by a line that starts with a dataset number.
 fn opens_dataset(bytes: &[u8]) -> bool {
     let start = &bytes[..bytes.len().min(LOOKED_AT)];
     let mut lines = start.split(|b| *b == b'\n').map(<[u8]>::trim_ascii).filter(|l| !l.is_empty());
@@ -115,7 +115,7 @@ fn opens_dataset(bytes: &[u8]) -> bool {
 
 fn by_extension(file: &Path) -> Option<Format> {
     match file.extension()?.to_str()?.to_lowercase().as_str() {
-        // A LabVIEW file without the header that `by_content` knows is a table: LabVIEW leaves headers away on request.
+        // A LabVIEW file without the header that `by_content` recognises is a plain table: LabVIEW omits headers on request.
         "csv" | "tsv" | "txt" | "dat" | "asc" | "lvm" => Some(Format::Text),
         "npy" => Some(Format::Npy),
         "npz" => Some(Format::Npz),

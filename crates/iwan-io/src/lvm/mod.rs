@@ -1,8 +1,8 @@
-//! Measurement files of LabVIEW (`.lvm`): text with a header for the file, and one for each segment of data.
+//! Measurement files of LabVIEW (`.lvm`): text with one header for the file and one header for each segment of data.
 //!
-//! Layout after "Specification for the LabVIEW Measurement File (.lvm)", National Instruments. Tabs, commas or what the header says
-//! stand between fields, a comma may be the decimal sign, columns of X stand once, once a channel, or not at all. Segments with the
-//! same channels that follow each other evenly are one record; others are refused by name.
+//! Layout after "Specification for the LabVIEW Measurement File (.lvm)", National Instruments. Fields are separated by tabs, commas or what
+//! the header states; the decimal sign may be a comma; there is one column of X, one for each channel, or none. Segments with the same
+//! channels that follow each other evenly become one record; other segments are refused with the reason.
 
 mod segment;
 
@@ -13,26 +13,26 @@ use crate::options::ReadOptions;
 use iwan_machine::shortened;
 use segment::{Interval, Segment};
 
-/// First word of the file.
+/// First words of the file.
 const MAGIC: &[u8] = b"LabVIEW Measurement";
 /// Last line of a header.
 const END: &str = "***End_of_Header***";
-/// Channels are refused beyond this number, as columns of other text files are: the file is damaged.
+/// Largest number of channels, equal to that of columns in other text files. A file that states more is damaged, and refused.
 const MOST_CHANNELS: usize = 10_000;
 
-/// Whether bytes begin as such a file does.
+/// Whether bytes begin as a LabVIEW measurement file does.
 pub(crate) fn is_lvm(bytes: &[u8]) -> bool {
     bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes).starts_with(MAGIC)
 }
 
-/// What the header of the file says.
+/// What the header of the file says about its layout.
 struct Style {
     separator: char,
     decimal_comma: bool,
     x_columns: XColumns,
 }
 
-/// Columns of X.
+/// How many columns of X there are: none, one, or one for each channel.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum XColumns {
     None,
@@ -40,7 +40,7 @@ enum XColumns {
     Multi,
 }
 
-/// Lines with their numbers, counted from 1.
+/// The lines of the file with their numbers, counted from 0 here and from 1 in messages.
 struct Lines<'a> {
     source: &'a FileBytes<'a>,
     rest: std::iter::Peekable<std::iter::Enumerate<std::str::Lines<'a>>>,
@@ -75,7 +75,7 @@ impl Lines<'_> {
     fn style(&mut self) -> Result<Style, ReadError> {
         let mut style = Style { separator: '\t', decimal_comma: false, x_columns: XColumns::One };
         let first = self.rest.peek().map_or("", |(_, line)| line);
-        // The separator stands behind the first words, before anything has said what it is.
+        // The separator stands behind the first words of the file, before the header names it.
         if let Some(separator) = first.chars().nth(MAGIC.len()).filter(|c| matches!(c, '\t' | ',' | ';')) {
             style.separator = separator;
         }
@@ -106,7 +106,7 @@ impl Lines<'_> {
         Err(self.source.malformed("the end", "no end of the file's header", END))
     }
 
-    /// The next segment with numbers; none at the end.
+    /// The next segment with numbers; none at the end of the file.
     fn segment(&mut self, style: &Style) -> Result<Option<Segment>, ReadError> {
         let mut segment = Segment::default();
         let mut channels = 0_usize;
@@ -180,8 +180,8 @@ impl Lines<'_> {
         let names: Vec<&str> =
             self.rest.next().map_or("", |(_, line)| line).split(style.separator).map(str::trim).collect();
         let multi = style.x_columns == XColumns::Multi;
-        // Which column is which: X once in front, or in front of every channel. Where there is no X, LabVIEW leaves its first column
-        // empty, and heads it X_Value or not at all.
+        // Which column is which: X comes once in front of all channels, or in front of every channel. Where there is no X, LabVIEW leaves
+        // its first column empty, and heads it X_Value or not at all.
         let column = |k: usize| if multi { 2 * k + 1 } else { k + xs };
         let empty_x = xs == 0 && matches!(names.first(), Some(&("X_Value" | "")));
         let heading = |k: usize| column(k) + usize::from(empty_x);
@@ -194,7 +194,7 @@ impl Lines<'_> {
         while let Some((number, line)) = self.rest.peek().copied() {
             let cells: Vec<&str> = line.split(style.separator).map(str::trim).collect();
             let blank = cells.iter().all(|c| c.is_empty());
-            // A comment may stand behind the last column; a word in front begins the header of the next segment.
+            // A comment may stand behind the last column. A word in the first column begins the header of the next segment.
             if !blank && number_of(cells[0], style).is_none() && !cells[0].is_empty() {
                 break;
             }
@@ -205,13 +205,13 @@ impl Lines<'_> {
             // LabVIEW writes an empty first field where there is no X.
             let skip = usize::from(xs == 0 && cells[0].is_empty());
             let value = |at: usize| cells.get(at + skip).filter(|c| !c.is_empty());
-            // What stands behind the last cell of a line is no channel's, however many the header promises.
+            // Cells behind the last cell of a line belong to no channel, however many channels the header promises.
             for k in 0..channels.min(cells.len()) {
                 let wrong = |found: &str| {
                     let place = format!("{}, column {}", Self::place(number), column(k) + skip + 1);
                     self.source.malformed(place, format!("'{}'", shortened(found, 40)), "a number")
                 };
-                // Channels may end before others do.
+                // A channel may end before other channels.
                 let Some(cell) = value(column(k)) else { continue };
                 segment.y[k].push(number_of(cell, style).ok_or_else(|| wrong(cell))?);
                 if multi || (xs == 1 && k == 0) {
@@ -228,7 +228,7 @@ fn number_of(text: &str, style: &Style) -> Option<f64> {
     if style.decimal_comma { text.replace(',', ".").parse().ok() } else { text.parse().ok() }
 }
 
-/// Unit of the last digit of a number as it is written: 1e-6 of `0.000156`, 1e-11 of `1.953125E-5`.
+/// Unit of the last digit of a number as written: 1e-6 for `0.000156`, 1e-11 for `1.953125E-5`.
 fn last_digit(text: &str) -> f64 {
     let (mantissa, exponent) = text.split_once(['e', 'E']).unwrap_or((text, "0"));
     let decimals = mantissa.split_once(['.', ',']).map_or(0, |(_, decimals)| decimals.len());

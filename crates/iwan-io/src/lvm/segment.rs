@@ -1,4 +1,4 @@
-//! One segment, or several that follow each other: each channel with its own clock, and what of it makes a record.
+//! One segment of data, or several that follow each other: each channel has its own clock, from which the times of the record are made.
 
 use crate::assembly::{Axis, Channel, Raw, last_digit, units, unlike};
 use crate::error::ReadError;
@@ -8,21 +8,23 @@ use crate::quantity::Quantity;
 use crate::warning::Warning;
 use iwan_machine::listed;
 
-/// The column of X and the header agree on the interval within this part of it, beside what both are rounded to: quartz clocks, of
-/// which each may follow one, differ by less. Frequencies are off by no more where the header is followed.
+/// Largest relative difference between the interval in the header and that of the column of X, beyond the rounding of both, at which the
+/// two agree: the header and the column may follow different quartz clocks, which differ by less. Where the header is used, frequencies are
+/// off by no more. Files with a larger difference are refused.
 const SAME: f64 = 1e-4;
-/// A segment continues the one before when it begins one interval behind its last sample, within this part of it: to the nearest sample.
+/// Largest distance, as a part of an interval, between the start of a segment and the time one interval behind the last sample of the
+/// segment before it: to the nearest sample the segment then continues it. Other segments are refused.
 const NEXT: f64 = 0.5;
 
-/// An interval as the header writes it.
+/// A sampling interval as the header writes it.
 #[derive(Clone, Copy)]
 pub(super) struct Interval {
     pub(super) step: f64,
-    /// Unit of its last digit.
+    /// Unit of the last digit with which the interval is written.
     pub(super) digit: f64,
 }
 
-/// One segment: its header's figures for each channel, and the numbers.
+/// One segment: what its header says of each channel, and the numbers.
 #[derive(Default)]
 pub(super) struct Segment {
     pub(super) names: Vec<String>,
@@ -35,24 +37,24 @@ pub(super) struct Segment {
     pub(super) y: Vec<Vec<f64>>,
 }
 
-/// Which of the times of a file is followed.
+/// Which of the times of a file is used.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Time {
-    /// Start and interval in the header, or the column of X where there is none.
+    /// Start and interval in the header, or the column of X where the header has no interval.
     Header,
     /// The column of X.
     X,
-    /// The samples of a channel.
+    /// The samples of this channel.
     Channel(usize),
 }
 
-/// What a header says of channel `k`; where it says one thing, it holds for all.
+/// What a header says of channel `k`; a single entry holds for all channels.
 fn of_channel<T: Clone>(said: &[T], k: usize) -> Option<T> {
     if said.len() == 1 { said.first() } else { said.get(k) }.cloned()
 }
 
 impl Segment {
-    /// Interval of a channel as the header has it.
+    /// Interval of a channel as the header states it; none where it is not positive and finite.
     fn interval(&self, k: usize) -> Option<Interval> {
         of_channel(&self.steps, k).filter(|i| i.step > 0.0 && i.step.is_finite())
     }
@@ -61,23 +63,24 @@ impl Segment {
         of_channel(&self.starts, k).unwrap_or(0.0)
     }
 
-    /// The column of X of a channel: its own, or the only one, which is the first channel's and of those with its interval.
+    /// The column of X of a channel: its own, or the only column, which belongs to the first channel and to all channels with the same
+    /// interval.
     fn x_of(&self, k: usize) -> Option<&Vec<f64>> {
         let step = |k| self.interval(k).map(|i| i.step);
         if self.x.len() == 1 { self.x.first().filter(|_| step(k) == step(0)) } else { self.x.get(k) }
     }
 
-    /// The interval of a channel: the header's, or that of its column of X where the header has rounded it to fewer digits. Neither where
-    /// the two contradict each other: programs that thin samples out leave the header as it was.
+    /// The interval of a channel: the header's, or that of its column of X where the header rounds the interval to fewer digits. An error
+    /// in words where the two contradict each other: programs that thin out samples leave the header as it was.
     fn judged(&self, k: usize, Interval { step, digit }: Interval) -> Result<Interval, String> {
-        // X may begin anew with each segment: what counts stands before the first step back.
+        // X may begin anew with each segment: only the times before the first decrease count.
         let all = self.x_of(k).map_or(&[][..], Vec::as_slice);
         let x = &all[..all.windows(2).position(|w| w[1] < w[0]).map_or(all.len(), |back| back + 1)];
         let [first, .., last] = x else { return Ok(Interval { step, digit }) };
         let count = (x.len() - 1) as f64;
         let seen = (last - first) / count;
         let written = last_digit(x);
-        // How far the mean may be off: half a unit at both ends.
+        // Largest error of the mean interval: half a unit of rounding at both ends.
         let resolution = written / count;
         let apart = (seen - step).abs();
         if apart > 0.5 * digit + resolution + SAME * step {
@@ -87,7 +90,7 @@ impl Segment {
         Ok(if finer { Interval { step: seen, digit: written } } else { Interval { step, digit } })
     }
 
-    /// Puts another segment behind this one, where it continues it; says why not otherwise.
+    /// Appends a segment that continues this one; an error in words where it does not continue this one.
     pub(super) fn append(&mut self, other: Self) -> Result<(), String> {
         if other.y.iter().all(Vec::is_empty) {
             return Ok(());
@@ -129,14 +132,14 @@ impl Segment {
                 }
             })
         };
-        // The time that the user names is the column of X, or a channel, which then is none.
+        // The time that the user names is the column of X, or else a channel, which is then left out of the channels.
         let time = match &options.time {
             None => Time::Header,
             Some(name) if self.x_names.contains(name) => Time::X,
             Some(name) => Time::Channel(place("time", name)?),
         };
         let chosen = !options.channels.is_empty();
-        // LabVIEW lets several channels have one name: where none is asked for by it, each is the one at its place.
+        // LabVIEW allows several channels of one name: where the user names no channels, each channel is identified by its place.
         let wanted: Vec<usize> = if chosen {
             options.channels.iter().map(|name| place("channel", name)).collect::<Result<_, _>>()?
         } else {
@@ -165,7 +168,7 @@ impl Segment {
         Ok(Raw { axis: axis.unwrap_or(Axis::None), channels, chosen, warnings })
     }
 
-    /// When the samples of channel `k` were taken, and what was noticed.
+    /// The times of the samples of channel `k`; warnings go to `noticed`.
     fn axis(
         &self,
         source: &FileBytes,
@@ -185,7 +188,7 @@ impl Segment {
             noticed.push(Warning::TimeScaled { unit, factor });
         }
         if let Some(times) = stored {
-            // A row has one time: those behind the end of the channel are others'.
+            // A row has one time for all channels: times behind the end of this channel belong to other channels.
             let values = times.iter().take(self.y[k].len()).map(|t| factor * t).collect();
             return Ok(Axis::Times { name: name.into(), values, unit_known });
         }

@@ -1,4 +1,4 @@
-//! Data elements: a tag of type and size, then data padded to eight bytes.
+//! Data elements of a level 5 file: a tag of type and size, then data padded to eight bytes.
 
 use crate::bytes::{self, Order, u32_at};
 use crate::error::ReadError;
@@ -8,7 +8,7 @@ use crate::file_bytes::FileBytes;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum ElementType {
     Number(bytes::NumberType),
-    /// UTF-8, UTF-16 or UTF-32 text with the bytes of one unit.
+    /// UTF-8, UTF-16 or UTF-32 text, with the number of bytes of one code unit.
     Text(usize),
     Matrix,
     Compressed,
@@ -44,11 +44,11 @@ impl ElementType {
 pub(super) struct Element<'a> {
     pub(super) kind: ElementType,
     pub(super) data: &'a [u8],
-    /// Offset of its tag in the file, or in the decompressed variable.
+    /// Offset of the element's tag, in bytes, in the file or in the decompressed variable.
     pub(super) offset: usize,
 }
 
-/// Walks over elements one after the other.
+/// Reads elements one after the other.
 pub(super) struct Cursor<'a, 's> {
     source: &'s FileBytes<'s>,
     bytes: &'a [u8],
@@ -58,7 +58,7 @@ pub(super) struct Cursor<'a, 's> {
 }
 
 impl<'a, 's> Cursor<'a, 's> {
-    /// `base` is the offset of `bytes` in the file.
+    /// A cursor at the start of `bytes`; `base` is the offset of `bytes` in the file.
     pub(super) fn new(source: &'s FileBytes<'s>, bytes: &'a [u8], order: Order, base: usize) -> Self {
         Self { source, bytes, order, base, at: 0 }
     }
@@ -87,7 +87,7 @@ impl<'a, 's> Cursor<'a, 's> {
         Ok(Some(Element { kind, data, offset }))
     }
 
-    /// The next element, which must be there.
+    /// The next element; an error where there is none.
     pub(super) fn expect(&mut self, what: &str) -> Result<Element<'a>, ReadError> {
         let offset = self.base + self.at;
         self.next()?.ok_or_else(|| self.source.malformed(format!("byte {offset}"), "the end", what))

@@ -1,7 +1,8 @@
 //! MATLAB level 7.3: an HDF5 file in which groups are structs and references are the elements of cell and struct arrays.
 //!
-//! The HDF5 part is the crate `hdf5-pure`'s; own is what MATLAB makes of it: dimensions in reversed order, the class in an attribute,
-//! text as numbers, elements of cell arrays in a hidden group. What cannot be read is named when it is asked for.
+//! The crate `hdf5-pure` reads the HDF5 structure; this file interprets what MATLAB stores in it: dimensions in reversed order, the class
+//! in an attribute, text as numbers, elements of cell arrays in a hidden group. Arrays that cannot be read are refused by name when the
+//! user asks for them.
 
 use hdf5_pure::{AttrValue, DType, Dataset, File, Group, Object};
 
@@ -13,12 +14,12 @@ use crate::file_bytes::FileBytes;
 use crate::inflate::most;
 use iwan_machine::shortened;
 
-/// Longest text that is kept: units have some characters, and what is longer is no unit.
+/// Longest text that is kept, in characters: units have some characters, and the rest of a longer text is no part of a unit.
 const LONGEST_TEXT: usize = 1000;
 
-/// What a look at a struct, an array or a cell takes off the budget, bytes: these may name each other in circles, which a file of a few
-/// hundred bytes closes more often than any machine counts. Each takes some hundred bytes of the file, for which the budget grants
-/// ten thousand: any number up to that does as well.
+/// Bytes that each visit to a struct, an array or a cell takes off the budget. References may form circles, which would be followed without
+/// end in a file of a few hundred bytes. Each struct, array or cell takes some hundred bytes of the file, for which the budget grants ten
+/// thousand: any number up to that does as well.
 const LOOK: u64 = 4096;
 
 /// What a level 7.3 file holds.
@@ -34,12 +35,12 @@ pub(super) fn read(source: &FileBytes) -> Result<Found, ReadError> {
 struct Walk<'s> {
     source: &'s FileBytes<'s>,
     found: Found,
-    /// Bytes that may still be read: references may name the same data again and again.
+    /// Bytes that may still be read: several references may name the same data.
     budget: u64,
 }
 
 impl Walk<'_> {
-    /// The fields of a struct, or the variables of the file.
+    /// Reads the fields of a struct, or the variables of the file.
     fn group(&mut self, group: &Group, path: &str, depth: usize) -> Result<(), ReadError> {
         self.spend(path, 0, || "structs in structs".into())?;
         if depth > DEEPEST {
@@ -72,7 +73,7 @@ impl Walk<'_> {
         Ok(())
     }
 
-    /// A sparse matrix: a group of `ir`, `jc` and `data`, the first and last of which are missing where all entries are zero.
+    /// Reads a sparse matrix: a group of `ir`, `jc` and `data`, where `ir` and `data` are missing if all entries are zero.
     fn sparse(&mut self, group: &Group, path: &str, rows: usize) -> Result<(), ReadError> {
         let mut read = |name: &str| -> Result<Option<Vec<f64>>, ReadError> {
             let Ok(set) = group.dataset(name) else { return Ok(Some(Vec::new())) };
@@ -97,7 +98,8 @@ impl Walk<'_> {
         Ok(())
     }
 
-    /// Takes a look and the memory of so many numbers off the budget; `what` it is, for the message.
+    /// Takes one visit and the memory of `count` numbers off the budget; an error where the budget is too small. `what` describes the data
+    /// in the message.
     fn spend(&mut self, path: &str, count: u64, what: impl Fn() -> String) -> Result<(), ReadError> {
         let needed = count.saturating_mul(8).saturating_add(LOOK);
         if needed > self.budget {
@@ -119,13 +121,13 @@ impl Walk<'_> {
             .push(Said { path: path.into(), text: format!("stored in a way that is not read ({error})") });
     }
 
-    /// An array, a text, or references to elements.
+    /// Reads an array, a text, or the elements that references name.
     fn dataset(&mut self, set: &Dataset, path: &str, depth: usize) -> Result<(), ReadError> {
         let attributes = set.attrs().unwrap_or_default();
         if attributes.contains_key("MATLAB_empty") {
             return Ok(());
         }
-        // Whatever room the file leaves for the name: programs in C count the zero that ends it.
+        // The attribute's room for the name does not matter: programs in C count the zero that ends it, others do not.
         let class = attributes.get("MATLAB_class").and_then(AttrValue::as_str).unwrap_or_default();
         let (shape, kind) = match (set.shape(), set.dtype()) {
             (Ok(shape), Ok(kind)) => (shape, kind),
@@ -159,7 +161,7 @@ impl Walk<'_> {
         }
     }
 
-    /// Numbers or the characters of a text; MATLAB's rows are the last dimension of HDF5.
+    /// Reads numbers, or the characters of a text; MATLAB's rows are the last dimension of HDF5.
     fn numbers(&mut self, set: &Dataset, path: &str, text: bool, shape: &[u64]) {
         let size = |d: u64| usize::try_from(d).unwrap_or(usize::MAX);
         let (rows, columns) = match *shape {
@@ -195,7 +197,7 @@ impl Walk<'_> {
         }
     }
 
-    /// The elements of a cell array, `x{1,2}`, or one field of a struct array, `hits(2).acc`.
+    /// Reads the elements of a cell array, `x{1,2}`, or one field of a struct array, `hits(2).acc`.
     fn elements(
         &mut self,
         set: &Dataset,
@@ -233,13 +235,13 @@ impl Walk<'_> {
     }
 }
 
-/// A unit of UTF-16, as MATLAB stores characters; the replacement character for what is none.
+/// A code unit of UTF-16, as MATLAB stores characters; the replacement character where the value is no code unit.
 #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // checked
 fn code_unit(value: f64) -> u16 {
     if (0.0..=65_535.0).contains(&value) { value as u16 } else { 0xfffd }
 }
 
-/// Number of rows where a group is a sparse matrix.
+/// Number of rows of a group that is a sparse matrix; none for other groups.
 fn sparse_rows(group: &Group) -> Option<usize> {
     let rows = match group.attrs().ok()?.get("MATLAB_sparse")? {
         AttrValue::U64(rows) => *rows,

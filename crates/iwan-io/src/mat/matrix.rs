@@ -1,4 +1,4 @@
-//! Arrays: numeric ones, text, and structs of arrays.
+//! Arrays of a level 5 file: numeric arrays, text, and structs and cells of arrays.
 
 use super::element::{Cursor, Element, ElementType};
 use super::stored::{StoredMatrix, StoredNumbers};
@@ -8,36 +8,36 @@ use crate::error::ReadError;
 use crate::file_bytes::{FileBytes, decode};
 use iwan_machine::shortened;
 
-/// Structs inside structs are followed to this depth; deeper ones are refused by name when they are asked for. The depth
-/// bounds the recursion on a damaged file; records known have three levels at most.
+/// Structs inside structs are read to this depth; deeper ones are refused by name when the user asks for them. The limit bounds the
+/// recursion on a damaged file; the records known to us have three levels at most.
 pub(super) const DEEPEST: usize = 8;
 
-/// Cell arrays of more dimensions are refused by name when they are asked for; those of records have two.
+/// Largest number of dimensions of a cell array; arrays of more are refused by name when the user asks for them. Those of records have two.
 const MOST_SUBSCRIPTS: usize = 8;
 
-/// Longest name of a field with the zero that ends it, as in MATLAB itself (`namelengthmax` is 63). A file that says more is
+/// Longest name of a field in bytes, with the zero that ends it, as in MATLAB itself (`namelengthmax` is 63). A file with longer names is
 /// refused as malformed.
 const LONGEST_NAME: usize = 64;
 
-/// What a file holds, by path.
+/// What a file holds; each item is named by its path.
 #[derive(Default)]
 pub(super) struct Found {
     pub(super) arrays: Vec<Variable>,
     pub(super) texts: Vec<Said>,
-    /// Sparse and complex ones, which cannot be channels.
+    /// Sparse and complex matrices, which cannot be channels.
     pub(super) matrices: Vec<StoredMatrix>,
-    /// Arrays that cannot be channels, with what they are.
+    /// Other arrays that cannot be channels, with what they are in words.
     pub(super) refused: Vec<Said>,
 }
 
-/// A text, or words on what stands there, by path.
+/// A text of the file, or a description of an array, with its path.
 pub(super) struct Said {
     pub(super) path: String,
     pub(super) text: String,
 }
 
 impl Said {
-    /// Why a matrix is no channel.
+    /// Path of a matrix, and why it is no channel.
     pub(super) fn no_channel(matrix: &StoredMatrix) -> Self {
         let text = if matrix.complex { "a complex array" } else { "a sparse array" };
         Self { path: matrix.name.clone(), text: text.into() }
@@ -57,7 +57,7 @@ struct Head {
 }
 
 impl Reader<'_> {
-    /// A variable of the file; other elements (such as the file's own workspace data) are passed over.
+    /// Reads a variable of the file; other elements (such as the file's own workspace data) are passed over.
     pub(super) fn top(&self, element: &Element, found: &mut Found) -> Result<(), ReadError> {
         if element.kind == ElementType::Matrix { self.matrix(element, None, 0, found) } else { Ok(()) }
     }
@@ -107,7 +107,7 @@ impl Reader<'_> {
         }
     }
 
-    /// Flags, dimensions and name; none for an opaque object, which has its own layout.
+    /// Flags, dimensions and name of an array; none for an opaque object, which has a layout of its own.
     fn head(&self, cursor: &mut Cursor, element: &Element) -> Result<Option<Head>, ReadError> {
         let place = format!("array at byte {}", element.offset);
         let flags = cursor.expect("array flags")?;
@@ -136,7 +136,7 @@ impl Reader<'_> {
         Ok(Variable { name: path.into(), unit: String::new(), rows, columns, values })
     }
 
-    /// One element of numbers.
+    /// The numbers of the next element.
     fn numbers(&self, cursor: &mut Cursor, what: &str, path: &str) -> Result<Vec<f64>, ReadError> {
         let data = cursor.expect(what)?;
         let ElementType::Number(kind) = data.kind else {
@@ -146,7 +146,7 @@ impl Reader<'_> {
         Ok(to_f64(data.data, kind, self.order))
     }
 
-    /// Row indices, starts of columns and values.
+    /// A sparse matrix: row indices, starts of columns and values.
     fn sparse(&self, cursor: &mut Cursor, head: &Head, path: &str) -> Result<StoredMatrix, ReadError> {
         let numbers = StoredNumbers::Sparse {
             rows: self.numbers(cursor, "row indices", path)?,
@@ -174,7 +174,7 @@ impl Reader<'_> {
         }
         let names: Vec<String> = cursor.expect("field names")?.data.chunks_exact(width).map(name).collect();
         let single = head.dims.iter().all(|d| *d == 1);
-        // The elements of the file bound this loop, whatever the dimensions say.
+        // The number of elements in the file bounds this loop, whatever the dimensions say.
         let mut number = 0;
         while !names.is_empty() {
             number += 1;
@@ -189,7 +189,7 @@ impl Reader<'_> {
         Ok(())
     }
 
-    /// The cells of a cell array, called as MATLAB calls them: `x{2,1}`.
+    /// Reads the cells of a cell array; their paths are as in MATLAB: `x{2,1}`.
     fn cells(
         &self,
         cursor: &mut Cursor,
@@ -198,7 +198,7 @@ impl Reader<'_> {
         depth: usize,
         found: &mut Found,
     ) -> Result<(), ReadError> {
-        // The elements of the file bound this loop, whatever the dimensions say.
+        // The number of elements in the file bounds this loop, whatever the dimensions say.
         let mut number = 0_usize;
         while let Some(element) = cursor.next()? {
             let mut left = number;

@@ -1,8 +1,8 @@
 //! MATLAB MAT-files: numeric arrays of all types, structs and cell arrays, nested, of level 5 (plain or compressed) and 7.3.
 //!
-//! Layout after "MAT-File Format", The MathWorks, chapter 1 (level 5). Own reader: the published crate does not know
-//! structs. A field is called by its path, `HIdata.time`; the elements of a struct array by their number, counted
-//! from 1 as MATLAB does, `hits(2).acc`.
+//! Layout after "MAT-File Format", The MathWorks, chapter 1 (level 5). The reader is our own because the published crate cannot read
+//! structs. A field is named by its path, `HIdata.time`; the elements of a struct array are numbered, counted from 1 as MATLAB does,
+//! `hits(2).acc`.
 
 mod element;
 mod stored;
@@ -47,7 +47,7 @@ pub(crate) fn parse(source: FileBytes, options: &ReadOptions) -> Result<Raw, Rea
 /// All matrices of a MAT-file of level 5 or 7.3, full and sparse, real and complex; `file` serves the messages only.
 ///
 /// # Errors
-/// [`ReadError`] where the file is none of these or is damaged.
+/// [`ReadError`] where the file is not a MAT-file of level 5 or 7.3, or is damaged.
 ///
 /// ```
 /// let error = iwan_io::mat_matrices("k.mat".as_ref(), b"no MAT-file").unwrap_err();
@@ -65,7 +65,7 @@ pub fn mat_matrices(file: &Path, bytes: &[u8]) -> Result<Vec<StoredMatrix>, Read
     Ok(found.arrays.into_iter().map(full).chain(found.matrices).collect())
 }
 
-/// What a file of either level holds.
+/// What a file of level 5 or 7.3 holds.
 fn read(source: &FileBytes) -> Result<Found, ReadError> {
     if is_level_7_3(source.bytes) { hdf::read(source) } else { level_5(source) }
 }
@@ -98,7 +98,7 @@ fn level_5(source: &FileBytes) -> Result<Found, ReadError> {
     Ok(found)
 }
 
-/// Byte order; refuses other levels by name.
+/// Byte order of a file of level 5; other levels are refused by name.
 fn check_header(source: &FileBytes) -> Result<Order, ReadError> {
     let bytes = source.bytes;
     let text = bytes.get(..HEADER).unwrap_or_default();
@@ -137,7 +137,8 @@ fn not_level_5(source: &FileBytes) -> ReadError {
     source.malformed("header", found, "128 bytes that end in IM or MI")
 }
 
-/// Level 4 starts with MOPT: four decimal digits, the second one 0, then rows, columns and a flag 0 or 1.
+/// Whether the bytes are a MAT-file of level 4: it starts with the number MOPT of four decimal digits, the second of which is 0, then rows,
+/// columns and a flag 0 or 1.
 fn is_level_4(bytes: &[u8]) -> bool {
     let word = |i: usize, order| crate::bytes::u32_at(bytes, 4 * i, order);
     [Order::Little, Order::Big].into_iter().any(|order| {
@@ -148,8 +149,8 @@ fn is_level_4(bytes: &[u8]) -> bool {
     })
 }
 
-/// Numeric arrays, with the unit from a text field `unit` or `units` beside or above them: `s, m/s^2` names that of the time
-/// and that of the rest.
+/// Numeric arrays with their units. A text field `unit` or `units` beside or above an array states its unit; the text `s, m/s^2` states
+/// first that of the time, then that of all others.
 fn with_units(found: Found) -> Vec<Variable> {
     let mut variables = found.arrays;
     for Said { path, text } in &found.texts {

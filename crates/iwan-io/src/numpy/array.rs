@@ -1,6 +1,6 @@
 //! One NumPy array, format versions 1 to 3 (NumPy Enhancement Proposal 1, `numpy.lib.format`).
 //!
-//! Own reader of some lines: the published ones allocate what a header promises and parse its dictionary with a
+//! The reader is our own because it is short: the published readers allocate what a header promises and parse its dictionary with a
 //! general Python parser that needs a C tool chain; a damaged header must neither exhaust memory nor panic here.
 
 use std::path::Path;
@@ -13,17 +13,18 @@ use iwan_machine::shortened;
 /// Start of every NPY file.
 pub const NPY_MAGIC: &[u8] = b"\x93NUMPY";
 
-/// NumPy's own limit up to version 1; no record and no matrix has more than two dimensions.
+/// Most dimensions of an array, NumPy's own limit up to version 1; records and matrices have at most two. One size more is kept, so that
+/// readers refuse the array.
 const MOST_DIMENSIONS: usize = 32;
-/// Longest texts of an array, in characters: labels and names of formats are shorter.
+/// Longest text of an array, in characters; labels and names of formats are shorter. Arrays of longer texts are refused.
 const LONGEST_TEXT: usize = 64;
 
-/// An array of an NPY file or of an archive of them. Its numbers stay as they are stored until they are asked for.
+/// An array of an NPY file or of an archive of such files. Its numbers stay as stored until they are asked for.
 #[derive(Debug, Clone)]
 pub struct NumpyArray<'a> {
-    /// Sizes; their product is the number of elements.
+    /// Size of each dimension; the product of the sizes is the number of elements.
     pub shape: Vec<usize>,
-    /// Whether the first index runs fastest, in place of the last one.
+    /// Whether the first index runs fastest (Fortran order); else the last index does.
     pub fortran: bool,
     /// Type of the elements as NumPy names it.
     descr: String,
@@ -31,11 +32,11 @@ pub struct NumpyArray<'a> {
     data: &'a [u8],
 }
 
-/// What an array is made of.
+/// Type of the elements of an array.
 #[derive(Debug, Clone, Copy)]
 enum Elements {
     Numbers(NumberType, Order),
-    /// Texts of so many bytes.
+    /// Texts, with the size of each in bytes.
     Text(usize),
 }
 
@@ -102,13 +103,14 @@ impl<'a> NumpyArray<'a> {
         self.data.len() / self.elements.size().max(1)
     }
 
-    /// Whether it has no elements.
+    /// Whether the array has no elements.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.data.is_empty()
     }
 
-    /// Element `at` (from 0) in the order of the file; none beyond the end, and none of texts. 64-bit integers above 2^53 are rounded.
+    /// Element `at` (from 0) in the order of the file; none beyond the end, and none where the elements are texts. 64-bit integers above
+    /// 2^53 are rounded.
     #[must_use]
     pub fn at(&self, at: usize) -> Option<f64> {
         match self.elements {
@@ -117,7 +119,7 @@ impl<'a> NumpyArray<'a> {
         }
     }
 
-    /// The ASCII letters of all texts, one behind the other; none of numbers.
+    /// The ASCII letters of all texts, one text behind the other; none where the elements are numbers.
     #[must_use]
     pub fn letters(&self) -> Option<String> {
         let letters = self.data.iter().filter(|b| b.is_ascii_alphabetic()).map(|b| char::from(*b));
@@ -139,7 +141,7 @@ fn not_numbers(source: &FileBytes, name: &str, descr: &str) -> ReadError {
     source.unsupported(format!("array '{name}', key 'descr'"), found, remedy)
 }
 
-/// Dictionary and data.
+/// The dictionary of the header, and the data behind it.
 fn split(bytes: &[u8]) -> Option<(&[u8], &[u8])> {
     let rest = bytes.strip_prefix(NPY_MAGIC)?;
     let (length, start) = match rest.first()? {
@@ -154,7 +156,7 @@ fn split(bytes: &[u8]) -> Option<(&[u8], &[u8])> {
     Some((rest.get(..length)?, &rest[length..]))
 }
 
-/// What follows `'key':` in the dictionary.
+/// The text behind `'key':` in the dictionary.
 fn value<'a>(text: &'a str, key: &str) -> Option<&'a str> {
     let at = [format!("'{key}'"), format!("\"{key}\"")].iter().find_map(|k| Some(text.find(k)? + k.len()))?;
     text[at..].trim_start().strip_prefix(':')
@@ -172,7 +174,7 @@ fn shape(text: &str) -> Option<Vec<usize>> {
     sizes.take(MOST_DIMENSIONS + 1).map(|s| s.parse().ok()).collect()
 }
 
-/// What elements a type of NumPy names.
+/// The elements that a type name of NumPy stands for; none where it is neither a number nor a short text.
 fn elements(descr: &str) -> Option<Elements> {
     let (order, name) = match descr.as_bytes().first()? {
         b'>' => (Order::Big, &descr[1..]),

@@ -28,14 +28,14 @@ pub(super) fn variable(source: &FileBytes, bytes: &[u8], name: &str) -> Result<V
         }
     };
     let values = array.numbers(source, name)?;
-    // An array of nothing may say that it has any number of columns of no rows: it is an empty vector.
+    // An empty array may state any number of columns with no rows: it is taken as an empty vector.
     let (rows, columns) = if values.is_empty() { (0, 1) } else { (rows, columns) };
     let values =
         if array.fortran || rows == 1 || columns == 1 { values } else { transpose(&values, columns) };
     Ok(Variable { name: name.into(), unit: String::new(), rows, columns, values })
 }
 
-/// Row after row to column after column.
+/// Values in rows, one row after the other, reordered to one column after the other.
 fn transpose(values: &[f64], columns: usize) -> Vec<f64> {
     (0..columns).flat_map(|c| values.iter().skip(c).step_by(columns).copied()).collect()
 }

@@ -15,11 +15,11 @@ use zip::ZipArchive;
 
 const EXPECTED: &str = "a stored or deflated NPY array";
 
-/// Arrays up to this size are read whether they are asked for or not: rates, intervals, and names for messages.
+/// Size in bytes up to which an array is read even if nobody asks for it: rates, intervals, and names for messages.
 const SMALL: u64 = 1 << 20;
 
 /// Time and channels of an NPZ file; the time is a vector `t` or `time`, or a number `dt` (seconds) or `fs` (Hz).
-/// Arrays that are not numeric (labels, say) are left out with a warning.
+/// Arrays that are not numeric, such as labels, are left out with a warning.
 pub(crate) fn parse(source: FileBytes, options: &ReadOptions) -> Result<Raw, ReadError> {
     let (mut variables, mut warnings) = (Vec::new(), Vec::new());
     each(&source, &|name, size| size <= SMALL || wanted(name, options), |name, bytes| {
@@ -35,10 +35,10 @@ pub(crate) fn parse(source: FileBytes, options: &ReadOptions) -> Result<Raw, Rea
     Chooser { source, options, tabular: false }.choose(variables, warnings)
 }
 
-/// The bytes of all arrays of an archive by their names, each as of an NPY file ([`NumpyArray`](super::NumpyArray)).
+/// All arrays of an archive: the key is the name, the value the bytes of an NPY file ([`NumpyArray`](super::NumpyArray)).
 ///
 /// # Errors
-/// [`ReadError`] where the archive is damaged, two arrays have one name, or they unpack to more than sensible arrays do.
+/// [`ReadError`] where the archive is damaged, two arrays have one name, or the arrays unpack to more than sensible arrays do.
 pub fn numpy_members(file: &Path, bytes: &[u8]) -> Result<BTreeMap<String, Vec<u8>>, ReadError> {
     let mut members = BTreeMap::new();
     each(&FileBytes { file, bytes }, &|_, _| true, |name, bytes| {
@@ -48,10 +48,10 @@ pub fn numpy_members(file: &Path, bytes: &[u8]) -> Result<BTreeMap<String, Vec<u
     Ok(members)
 }
 
-/// Whether an array of this name and of so many bytes is wanted.
+/// Whether an array of this name and of this size in bytes is wanted.
 type Wanted<'a> = &'a dyn Fn(&str, u64) -> bool;
 
-/// Hands out name and bytes of each array whose name and size are `wanted`.
+/// Passes name and bytes of each `wanted` array to `take`.
 fn each(
     source: &FileBytes,
     wanted: Wanted<'_>,
@@ -63,7 +63,7 @@ fn each(
         let found = format!("two entries '{}'", shortened(&name, 60));
         return Err(source.malformed("zip directory", found, "names that differ"));
     }
-    // One budget for all entries: those of a hostile archive may share their compressed bytes.
+    // All entries share one budget of bytes: entries of a hostile archive may share their compressed bytes.
     let mut budget = most(source.bytes.len());
     for index in 0..archive.len() {
         let Some((name, bytes)) = entry(source, &mut archive, index, (budget, wanted))? else { continue };
@@ -77,7 +77,8 @@ fn asked(name: &str, options: &ReadOptions) -> bool {
     options.channels.iter().chain(&options.time).any(|n| n == name)
 }
 
-/// Whether an array may be asked for: all are where the user names none; where channels are named, these, and what may be their time.
+/// Whether an array is to be read: every array where the user names no channels; else the arrays that the user names, and arrays that may
+/// be their time.
 fn wanted(name: &str, options: &ReadOptions) -> bool {
     let owner =
         |asked: &String| asked == name || asked.strip_prefix(name).is_some_and(|rest| rest.starts_with('['));
@@ -86,9 +87,10 @@ fn wanted(name: &str, options: &ReadOptions) -> bool {
         || clocks::is_time_named(name)
 }
 
-/// A name that stands twice in the directory, of which archive readers see the last entry alone.
+/// A name that occurs twice in the directory; archive readers see only the last of such entries. `start` is the offset of the directory in
+/// bytes.
 fn twice(bytes: &[u8], start: u64) -> Option<String> {
-    /// Signature, and length without name, extra field and comment (APPNOTE.TXT 4.3.12).
+    /// Signature of an entry, and its length in bytes without name, extra field and comment (APPNOTE.TXT 4.3.12).
     const ENTRY: (&[u8], usize) = (b"PK\x01\x02", 46);
     let mut rest = bytes.get(usize::try_from(start).ok()?..)?;
     let mut seen = HashSet::new();
@@ -104,7 +106,7 @@ fn twice(bytes: &[u8], start: u64) -> Option<String> {
     None
 }
 
-/// Name and bytes of an entry `NAME.npy`; none for another file, and for an array that is not wanted.
+/// Name and bytes of an entry `NAME.npy`; none for other files, and for arrays that are not wanted.
 fn entry(
     source: &FileBytes,
     archive: &mut ZipArchive<Cursor<&[u8]>>,

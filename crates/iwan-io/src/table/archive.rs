@@ -5,18 +5,18 @@ use std::io::{self, Seek, Write};
 use zip::ZipWriter;
 use zip::write::SimpleFileOptions;
 
-/// Values from which on an entry is written with 64-bit sizes: 2 GiB, half of what 32-bit sizes can tell, so that the header
-/// of the array has room.
+/// Number of values above which an entry is written with 64-bit sizes: 2 GiB, half of what 32-bit sizes can express, so that the header of
+/// the array has room.
 const ZIP32: usize = 1 << 28;
 
-/// Begins a one-dimensional float64 array, not compressed, of which the values follow.
+/// Begins an uncompressed entry for a one-dimensional float64 array; its values are to follow.
 pub(super) fn entry<W: Write + Seek>(archive: &mut ZipWriter<W>, name: &str, rows: usize) -> io::Result<()> {
     let stored = SimpleFileOptions::default().compression_method(zip::CompressionMethod::Stored);
     archive.start_file(format!("{name}.npy"), stored.large_file(rows > ZIP32))?;
     archive.write_all(&npy_header(rows))
 }
 
-/// Values as an array holds them.
+/// The bytes of values as an NPY array stores them: little endian, 8 bytes each.
 pub(super) fn bytes(values: &[f64]) -> Vec<u8> {
     values.iter().flat_map(|v| v.to_le_bytes()).collect()
 }

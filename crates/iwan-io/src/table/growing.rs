@@ -1,4 +1,4 @@
-//! Tables that are written as their rows come: what is held in memory does not grow with them.
+//! Tables that are written while their rows are computed; the memory needed does not grow with the number of rows.
 
 use std::fs::File;
 use std::io::{self, Read, Seek, SeekFrom, Write};
@@ -11,10 +11,11 @@ use super::lines::{csv_header, csv_rows};
 use super::names::{TableError, check_names};
 use super::parquet_file;
 
-/// Values of a row group of Parquet, all columns together: 8 MiB, which are held until the group is written. Readers take groups of any size.
+/// Values of a Parquet row group, all columns together: 8 MiB, which are held in memory until the group is written. Readers accept groups
+/// of any size.
 const GROUP: usize = 1 << 20;
 
-/// A table of which no row has to be kept. Dropped without [`finish`](Self::finish) its file is not whole.
+/// A table that keeps no rows in memory. If it is dropped without [`finish`](Self::finish), its file is incomplete.
 ///
 /// ```
 /// use iwan_io::Growing;
@@ -39,16 +40,16 @@ enum Form<W: Write + Send> {
     Parquet { file: Box<SerializedFileWriter<W>>, group: Vec<Vec<f64>> },
 }
 
-/// Rows on the disk until it is known how many there are: stretches, of each one column after the other.
+/// Rows on the disk until their number is known: stretches of rows, each stored one column after the other.
 #[derive(Debug)]
 struct Spool {
     file: File,
-    /// Rows of each stretch.
+    /// Number of rows of each stretch.
     stretches: Vec<usize>,
 }
 
 impl<W: Write + Seek + Send> Growing<W> {
-    /// As CSV.
+    /// A table that is written as CSV.
     ///
     /// # Errors
     /// [`TableError`] for the names, and what the sink reports.
@@ -58,7 +59,7 @@ impl<W: Write + Seek + Send> Growing<W> {
         Ok(Self { names, form: Form::Csv { sink } })
     }
 
-    /// As NPZ: until the end the rows are kept in a file without a name in `folder`, as large as the archive.
+    /// A table that is written as NPZ. Until the end its rows are kept in a file without a name in `folder`, as large as the archive.
     ///
     /// # Errors
     /// [`TableError`] for the names, and what the folder reports.
@@ -68,7 +69,7 @@ impl<W: Write + Seek + Send> Growing<W> {
         Ok(Self { names, form: Form::Npz { sink, spool } })
     }
 
-    /// As Parquet, in row groups.
+    /// A table that is written as Parquet, in row groups.
     ///
     /// # Errors
     /// [`TableError`] for the names, and what the sink or the Parquet library reports.
@@ -107,7 +108,7 @@ impl<W: Write + Seek + Send> Growing<W> {
         Ok(())
     }
 
-    /// Writes what is left, and the table's end.
+    /// Writes the rows that are still held, and the table's end.
     ///
     /// # Errors
     /// What the sink reports.
@@ -169,10 +170,10 @@ fn write_group<W: Write + Send>(
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum GrowingError {
-    /// Columns that make no table.
+    /// The columns make no table.
     #[error(transparent)]
     Table(#[from] TableError),
-    /// What the sink reports.
+    /// The sink or the folder reports an error.
     #[error(transparent)]
     Io(#[from] io::Error),
 }
@@ -195,7 +196,7 @@ mod tests {
         ]
     }
 
-    /// In pieces of uneven lengths, of which one is empty.
+    /// Writes the columns in pieces of uneven lengths, one of which is empty.
     fn grown(columns: &Columns, mut table: Growing<&mut Cursor<Vec<u8>>>) {
         for range in [0..1, 1..1, 1..700, 700..1000] {
             let part: Vec<&[f64]> = columns.iter().map(|(_, v)| &v[range.clone()]).collect();

@@ -1,15 +1,15 @@
-//! Columns as lines of CSV.
+//! Columns of numbers written as lines of CSV.
 
 use std::borrow::Cow;
 use std::io::{self, Write};
 
-/// A name as spreadsheets show it: one that begins like a formula is told to be text by an apostrophe, as they do themselves (OWASP, "CSV
-/// injection").
+/// A name as spreadsheets show it. A name that begins like a formula gets an apostrophe in front, which marks it as text, as spreadsheets
+/// themselves do (OWASP, "CSV injection").
 fn as_text(name: &str) -> Cow<'_, str> {
     if name.starts_with(['=', '+', '-', '@']) { format!("'{name}").into() } else { name.into() }
 }
 
-/// The first line of CSV.
+/// The first line of a CSV file: the names.
 pub(super) fn csv_header<'a>(names: impl IntoIterator<Item = &'a String>) -> io::Result<Vec<u8>> {
     let mut header = csv::Writer::from_writer(Vec::new());
     header
@@ -18,7 +18,7 @@ pub(super) fn csv_header<'a>(names: impl IntoIterator<Item = &'a String>) -> io:
     header.into_inner().map_err(|e| io::Error::other(e.to_string()))
 }
 
-/// Lines of CSV.
+/// Writes one line of CSV for each row.
 pub(super) fn csv_rows(columns: &[&[f64]], sink: &mut impl Write) -> io::Result<()> {
     let (mut number, mut line) = (ryu::Buffer::new(), Vec::new());
     for row in 0..columns[0].len() {

@@ -16,7 +16,7 @@ use names::check_names;
 use std::io::{self, Seek, Write};
 use std::path::Path;
 
-/// Values that are turned into bytes at once, 32 KiB, so that no second copy of a column is made.
+/// Number of values that are turned into bytes at once, 32 KiB, so that no second copy of a column is made.
 const CHUNK: usize = 1 << 12;
 
 /// Named columns of equal length, borrowed for writing. NaN and infinite values are written as they are.
@@ -35,7 +35,7 @@ pub struct Table<'a> {
 }
 
 impl<'a> Table<'a> {
-    /// Checks and keeps the columns.
+    /// Checks the columns and makes a table of them.
     ///
     /// # Errors
     /// [`TableError`] names the column.
@@ -51,7 +51,7 @@ impl<'a> Table<'a> {
         Ok(Self { columns })
     }
 
-    /// Names and values.
+    /// Names and values of the columns.
     #[must_use]
     pub fn columns(&self) -> &[(String, &'a [f64])] {
         &self.columns

@@ -1,4 +1,4 @@
-//! Names of columns, and why columns make no table.
+//! Names of columns, and the reasons why columns make no table.
 
 use std::collections::HashSet;
 
@@ -31,7 +31,7 @@ pub enum TableError {
     },
 }
 
-/// Refuses names that no table can have.
+/// Refuses names that a table may not have.
 pub(super) fn check_names<'a>(all: impl IntoIterator<Item = &'a String>) -> Result<(), TableError> {
     let mut names = HashSet::new();
     for (index, name) in all.into_iter().enumerate() {

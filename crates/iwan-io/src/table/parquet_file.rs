@@ -9,8 +9,8 @@ use parquet::schema::types::Type;
 use std::io::Write;
 use std::sync::Arc;
 
-/// Rows of one row group: 8 MiB for each column, which the writer holds in memory until the group is closed. Readers take
-/// groups of any size; a tenth or ten times as many change no file by more than its index.
+/// Rows of one row group: 8 MiB for each column, which the writer holds in memory until the group is closed. Readers accept groups of any
+/// size; with a tenth or ten times as many rows only the file's index changes in size.
 const GROUP: usize = 1 << 20;
 
 pub(super) fn write(columns: &[(String, &[f64])], sink: impl Write + Send) -> Result<()> {

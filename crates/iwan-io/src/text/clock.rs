@@ -4,23 +4,24 @@ use chrono::{DateTime, Datelike, NaiveDateTime, NaiveTime, Timelike};
 
 /// Seconds of a day, leap seconds left out.
 const DAY: f64 = 86_400.0;
-/// Dates before a time of day that are read: ISO 8601, and as they are written in Germany. Day and month of other orders cannot be told apart.
+/// Forms of a date before a time of day that are read: ISO 8601, and German. Other forms do not show which number is the day and which the
+/// month.
 const DATES: [&str; 4] =
     ["%Y-%m-%d %H:%M:%S%.f", "%Y-%m-%dT%H:%M:%S%.f", "%Y/%m/%d %H:%M:%S%.f", "%d.%m.%Y %H:%M:%S%.f"];
 
 /// A cell that holds a time of day, with a date or without.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Clock {
-    /// Days since the first of January of the year 1; none without a date.
+    /// Days since 31 December of the year 0, so that 1 January of the year 1 is day 1; none without a date.
     day: Option<i32>,
-    /// Since midnight.
+    /// Seconds since midnight.
     seconds: f64,
 }
 
 impl Clock {
-    /// The time in a cell, with a point as decimal sign.
+    /// The time in a cell whose decimal sign is a point.
     pub(super) fn in_cell(text: &str) -> Option<Self> {
-        // What is no clock is told quickly: all words of a file come along here.
+        // A quick test rejects what is no time of day, because every word of a file is passed to this function.
         if text.bytes().filter(|b| *b == b':').count() < 2 {
             return None;
         }
@@ -36,16 +37,17 @@ impl Clock {
     }
 }
 
-/// The times of a column of clocks, in seconds since the midnight before the first of them.
+/// The times of a column of times of day, in seconds since the midnight before the first of them.
 #[derive(Debug, Default)]
 pub(super) struct Clocks {
     last: Option<Clock>,
-    /// Days since the first.
+    /// Days since the day of the first time.
     days: i32,
 }
 
 impl Clocks {
-    /// The next time; one without a date that is half a day earlier than the last has passed midnight. None where dates come and go.
+    /// Seconds of the next time. A time without a date that is more than half a day earlier than the last one counts as after midnight.
+    /// None where some times have a date and others have none.
     pub(super) fn seconds(&mut self, clock: Clock) -> Option<f64> {
         self.days += match self.last.map(|last| (last, last.day, clock.day)) {
             None => 0,

@@ -1,4 +1,4 @@
-//! One column of a table, to its own end.
+//! One column of a table, which may end before other columns.
 
 use super::clock::Clocks;
 use super::layout::{self, Layout};
@@ -22,22 +22,23 @@ impl Fault {
     }
 }
 
-/// A column whose cells are empty from some row on is shorter than others; one with an empty cell before its end, or a word, has a hole.
+/// One column. A column whose cells are empty from some row on is shorter than others; a column with an empty cell before its last number,
+/// or with a word, has a hole.
 #[derive(Default)]
 pub(super) struct Column {
-    /// Numbers up to the last one, NaN in holes.
+    /// Numbers up to the last number, NaN in holes.
     pub(super) values: Vec<f64>,
     /// The first cell that holds no number.
     pub(super) fault: Option<Fault>,
     pub(super) hole: bool,
-    /// Cells without a number behind the last one.
+    /// Number of cells without a number below the last number.
     without: usize,
-    /// Where the column holds times of day in place of numbers.
+    /// The times of day where the column holds these in place of numbers.
     clocks: Option<Clocks>,
 }
 
 impl Column {
-    /// Takes the cell in a line, counted from 1, and a column of the file, counted from 0.
+    /// Adds the cell `field`; `line` is counted from 1, `column` of the file from 0.
     pub(super) fn push(&mut self, layout: &Layout, field: &[u8], (line, column): (u64, usize)) {
         if let Some(value) = self.value(layout, field) {
             self.hole |= self.without > 0;
@@ -51,12 +52,12 @@ impl Column {
         }
     }
 
-    /// Whether the column holds times of day, in seconds.
+    /// Whether the column holds times of day, which become seconds.
     pub(super) fn is_clock(&self) -> bool {
         self.clocks.is_some()
     }
 
-    /// A number, or a time of day in a column of such.
+    /// The number in a cell, or the seconds of a time of day where the column holds these.
     fn value(&mut self, layout: &Layout, field: &[u8]) -> Option<f64> {
         if self.clocks.is_none() {
             let number = layout.number(field);

@@ -7,8 +7,8 @@ use crate::file_bytes::{FileBytes, decode};
 use iwan_machine::shortened;
 use std::borrow::Cow;
 
-/// Lines looked at to find the first row of numbers. Preambles of measuring programs have up to some dozen lines; a file
-/// without a row among these is refused as no table, before all of it has been tried under every separator.
+/// Number of lines in which the first row of numbers is sought. Preambles of measuring programs have up to some dozen lines. A file without
+/// a row of numbers in these lines is refused as no table, before all of it is tried under every separator.
 const PROBED_LINES: usize = 200;
 
 /// What stands between columns.
@@ -50,9 +50,10 @@ impl Separator {
 #[derive(Debug)]
 pub(super) struct Layout {
     pub(super) separator: Separator,
-    /// Columns in front that hold no samples: settings of an oscilloscope stand beside the first rows, and nothing beside the others.
+    /// Number of leading columns that hold no samples: some oscilloscopes write settings beside the first rows, and nothing beside the
+    /// others.
     pub(super) settings: usize,
-    /// Number of columns behind these.
+    /// Number of columns behind the settings.
     pub(super) fields: usize,
     /// Line of the first row of numbers, counted from 1.
     pub(super) first_row: usize,
@@ -63,7 +64,8 @@ pub(super) struct Layout {
     offset: usize,
 }
 
-/// A longer field is no number: the longest decimals of an f64 that programs write have some 25 characters.
+/// Longest field, in characters, that is tried as a number where it does not parse as it stands: the longest decimals of an f64 that
+/// programs write have some 25 characters.
 const LONGEST_NUMBER: usize = 64;
 
 struct Line<'a> {
@@ -73,7 +75,8 @@ struct Line<'a> {
 }
 
 impl Layout {
-    /// Finds the separator under which a row of numbers comes first; with equal lines tab, semicolon, comma, space.
+    /// Finds the separator under which a row of numbers comes first. Where several find the same line, the order is tab, semicolon, comma,
+    /// space.
     pub(super) fn detect(source: &FileBytes) -> Result<Self, ReadError> {
         use Separator::{Comma, Semicolon, Space, Tab};
         let bytes = source.bytes;
@@ -100,7 +103,7 @@ impl Layout {
         }
     }
 
-    /// The layout with the first row at line `at`, or above it where a row is only damaged.
+    /// The layout with the first row at line `at`, or above it where an earlier row has the same fields but some of them damaged.
     fn at(lines: &[Line], at: usize, separator: Separator) -> Self {
         let fields = separator.split(lines[at].text).len();
         let damaged = |l: &Line| {
@@ -116,8 +119,8 @@ impl Layout {
         Self { separator, settings: 0, fields, first_row, names, units, preamble, offset }
     }
 
-    /// The layout of columns beside settings: in some row nothing stands in front of two or more numbers, and from the first row on
-    /// these columns hold numbers.
+    /// The layout of columns beside settings. In some row empty cells stand in front of two or more numbers; from the first row on, the
+    /// columns of these numbers hold numbers.
     fn beside_settings(lines: &[Line], separator: Separator) -> Option<Self> {
         let count = |l: &Line| separator.split(l.text).len();
         let tail = |l: &Line, settings: usize| {
@@ -160,12 +163,12 @@ impl Layout {
         Cow::Owned(out)
     }
 
-    /// Number of fields that a row has.
+    /// Number of fields in a row, settings included.
     pub(super) fn all(&self) -> usize {
         self.settings + self.fields
     }
 
-    /// Number of fields in a row, an empty one at the end not counted; none in an empty line.
+    /// Number of fields in a row, an empty field at the end not counted; 0 in an empty line.
     pub(super) fn count(&self, record: &csv::ByteRecord) -> usize {
         let n = record.len();
         let empty = |i: usize| record[i].trim_ascii().is_empty();
@@ -186,12 +189,12 @@ impl Layout {
     }
 }
 
-/// What stands just above the rows.
+/// What the lines just above the rows hold.
 #[derive(Default)]
 struct Header {
     names: Vec<String>,
     units: Vec<String>,
-    /// Uncommented lines that names and units took.
+    /// Number of uncommented lines that hold these names and units.
     used: usize,
 }
 
@@ -238,11 +241,11 @@ pub(super) fn is_comment(line: &[u8]) -> bool {
 fn is_row(separator: Separator, line: &[u8], least: usize) -> bool {
     let fields = separator.split(line);
     let is_number = |f: &&[u8]| number(f, separator).is_some();
-    // A line with a clock alone is the date of a file.
+    // A line that holds times of day only is the date of a file, not a row.
     fields.len() >= least && fields.iter().any(is_number) && fields.iter().all(|f| is_value(f, separator))
 }
 
-/// Whether a line is empty, or made of strokes that part a header from its rows.
+/// Whether a line is empty, or a rule of strokes between a header and its rows.
 fn is_rule(line: &[u8]) -> bool {
     line.iter().all(|b| b.is_ascii_whitespace() || b"-=_|+,;".contains(b))
 }
@@ -257,7 +260,7 @@ fn clock(field: &[u8], separator: Separator) -> Option<Clock> {
     if separator.decimal_comma() { Clock::in_cell(&text.replace(',', ".")) } else { Clock::in_cell(text) }
 }
 
-/// Whether nothing stands in a cell; R writes `NA` where nothing was measured.
+/// Whether a cell is empty, or holds the `NA` that R writes where nothing was measured.
 pub(super) fn is_blank(field: &[u8]) -> bool {
     let quoted = |b: &u8| *b == b'"' || b.is_ascii_whitespace();
     let mut left = field.iter().filter(|b| !quoted(b));

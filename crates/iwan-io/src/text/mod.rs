@@ -1,8 +1,9 @@
 //! Columns of numbers as text: comma, semicolon, tab or white space between them.
 //!
-//! Comments start with `#` or `%`. A header of names is optional, a second one of units too; units may also stand
-//! behind the name as in `acc [m/s^2]`. Where the columns are separated by something else, the decimal sign may be
-//! a comma. A column of times of day, with dates or without, is read as seconds since midnight. Quoting follows RFC 4180. Of a record only the columns that are chosen need to be whole, and they may end before others.
+//! Comments start with `#` or `%`. A header of names is optional, and so is a second header of units; units may also stand
+//! behind the name as in `acc [m/s^2]`. Where the columns are not separated by commas, the decimal sign may be
+//! a comma. A column of times of day, with dates or without, is read as seconds since midnight. Quoting follows RFC 4180. Only the columns that are
+//! read as time and channels need to be complete, and they may end before others.
 
 mod clock;
 mod layout;
@@ -19,9 +20,9 @@ use iwan_machine::listed;
 use layout::Layout;
 use std::path::Path;
 
-/// More columns than this are taken for a damaged file, and refused: a table that is read is as many vectors, and a line
-/// of a binary file with commas in it may seem to have any number. Modal tests have up to some hundred channels;
-/// any limit from a thousand on does as well.
+/// A file with more columns is taken for damaged, and refused: each column of a table becomes a vector in memory, and a line of a binary
+/// file with commas in it may seem to have any number of columns. Modal tests have up to some hundred channels; any limit from a thousand
+/// on does as well.
 const MOST_COLUMNS: usize = 10_000;
 
 /// Named columns of equal length, as read from a text file. NaN and infinite values are kept.
@@ -78,7 +79,7 @@ impl Columns {
         self.lines.get(row).copied()
     }
 
-    /// What the reader noticed.
+    /// What the reader noticed in the file.
     #[must_use]
     pub fn warnings(&self) -> &[Warning] {
         &self.warnings
@@ -96,7 +97,7 @@ pub fn read_table(path: impl AsRef<Path>) -> Result<Columns, ReadError> {
     parse_table(file, &bytes)
 }
 
-/// The same from bytes in memory; `file` serves the messages only.
+/// Reads a table from bytes in memory; `file` serves the messages only.
 ///
 /// ```
 /// let table = iwan_io::parse_table("pulse.csv".as_ref(), b"t [s];force [N]\n0;0\n0,5;12,5\n")?;
@@ -116,10 +117,10 @@ pub fn parse_table(file: &Path, bytes: &[u8]) -> Result<Columns, ReadError> {
     Ok(Columns { names, units, values: columns.into_iter().map(|c| c.values).collect(), lines, warnings })
 }
 
-/// Columns as they stand in the file, each with its own end.
+/// The columns as they stand in the file, each with its own length.
 struct Table {
     columns: Vec<Column>,
-    /// Line of each row.
+    /// Line of each row, counted from 1.
     lines: Vec<u64>,
     labels: Vec<Label>,
     warnings: Vec<Warning>,
@@ -167,7 +168,7 @@ pub(crate) fn parse(source: FileBytes, options: &ReadOptions) -> Result<Raw, Rea
     Ok(raw)
 }
 
-/// Refuses columns of different lengths where the user has chosen nothing among them.
+/// Refuses columns of different lengths where the user has named no time; it is called where no channel is named.
 fn one_length(source: &FileBytes, variables: &[Variable], options: &ReadOptions) -> Result<(), ReadError> {
     let uneven = variables.windows(2).any(|v| v[0].values.len() != v[1].values.len());
     if !uneven || options.time.is_some() {
@@ -180,7 +181,7 @@ fn one_length(source: &FileBytes, variables: &[Variable], options: &ReadOptions)
     Err(ReadError::Ambiguous { file: source.file.into(), found, names })
 }
 
-/// Channels that are read together end in one row, and the time that they share goes no further.
+/// Refuses channels that are read together but differ in length; the times are cut to the channels' length.
 fn end_together(source: &FileBytes, raw: &mut Raw) -> Result<(), ReadError> {
     let Some((first, rest)) = raw.channels.split_first() else { return Ok(()) };
     let rows = first.values.len();
@@ -199,7 +200,7 @@ fn end_together(source: &FileBytes, raw: &mut Raw) -> Result<(), ReadError> {
     Ok(())
 }
 
-/// The user may write a column's name with its unit, as it stands in the file.
+/// The column's name as the user wrote it, where the user wrote name and unit as they stand in the file.
 fn chosen_name(name: String, unit: &str, options: &ReadOptions) -> String {
     let asked = options.channels.iter().chain(&options.time);
     let letters = |text: &str| text.chars().filter(|c| !c.is_whitespace()).collect::<String>();
@@ -250,7 +251,7 @@ fn read_rows(source: &FileBytes, layout: &Layout) -> Result<(Vec<Column>, Vec<u6
     }
 }
 
-/// Whether the line holds a row.
+/// Adds a line to the columns; returns whether the line holds a row (it may be empty or a comment).
 fn push_row(
     source: &FileBytes,
     layout: &Layout,

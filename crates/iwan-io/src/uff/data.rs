@@ -8,14 +8,14 @@ use crate::file_bytes::{FileBytes, decode};
 use crate::warning::Warning;
 use iwan_machine::shortened;
 
-/// A dataset with less than this part of its promised points is refused as a file cut short; from there on the count is
-/// taken to be wrong, and a warning says so. Wrong counts known from an analyser are off by a few points in 222,400, a
-/// file known to be cut short has 42 of 2,508,876: any part from 0.01 to 0.999 tells these apart.
+/// Least part of the promised points with which a dataset is read. With fewer points it is refused as cut short; with more, but not all,
+/// the count is taken to be wrong, and a warning says so. Wrong counts known from an analyser are off by a few points in 222,400; a file
+/// known to be cut short has 42 of 2,508,876: any part from 0.01 to 0.999 tells these apart.
 const LEAST_PART: f64 = 0.9;
 
 /// The points of a dataset.
 pub(super) struct Points {
-    /// Empty for an even abscissa.
+    /// Times of the points; empty for an even abscissa.
     pub(super) times: Vec<f64>,
     pub(super) values: Vec<f64>,
 }
@@ -25,7 +25,7 @@ impl Points {
         Self { times: Vec::new(), values }
     }
 
-    /// From abscissa and ordinate in turn.
+    /// Points from numbers that are abscissa and ordinate in turn.
     fn in_turn(pairs: &[f64]) -> Self {
         let (times, values) = pairs.chunks_exact(2).map(|p| (p[0], p[1])).unzip();
         Self { times, values }
@@ -52,7 +52,7 @@ pub(super) fn read(
     Ok(points)
 }
 
-/// Values of an even abscissa, real or complex: real parts, and imaginary parts where there are any.
+/// Values over an even abscissa: real parts, and imaginary parts, which are empty for a real function.
 pub(super) fn read_any(
     source: &FileBytes,
     section: &Section,
@@ -94,8 +94,9 @@ fn check_count(
     Ok(())
 }
 
-/// Even: one number after the other. Uneven: abscissa and ordinate in turn; in double precision the abscissa has four
-/// bytes by the format's own rule (addendum B), eight in files of some programs: the number of bytes tells.
+/// Points of binary data. Over an even abscissa the data are the ordinates alone, over an uneven one abscissa and ordinate in turn. In
+/// double precision each abscissa has four bytes by the format's own rule (addendum B), but eight bytes in files of some programs: the
+/// number of data bytes shows which.
 fn binary_values(section: &Section, header: &Header, binary: Binary) -> Points {
     let (data, order) = (section.data, binary.order);
     let kind = if header.data_type == 4 { NumberType::F64 } else { NumberType::F32 };
@@ -114,7 +115,7 @@ fn binary_values(section: &Section, header: &Header, binary: Binary) -> Points {
     Points { times, values }
 }
 
-/// Widths of the fields of a line in turn: 6E13.5, 4E20.12, 2(E13.5,E20.12).
+/// Widths in characters of two successive fields of a line: 6E13.5, 4E20.12, 2(E13.5,E20.12).
 fn widths(header: &Header) -> [usize; 2] {
     match (header.data_type, header.even) {
         (4, true) => [20, 20],
@@ -143,7 +144,7 @@ fn text_values(source: &FileBytes, section: &Section, widths: &[usize; 2]) -> Re
     Ok(values)
 }
 
-/// Numbers between blanks.
+/// Adds the numbers of a line, separated by blanks; none where a word is no number.
 fn push_words(line: &[u8], values: &mut Vec<f64>) -> Option<()> {
     for word in line.split(u8::is_ascii_whitespace).filter(|w| !w.is_empty()) {
         values.push(number(word)?);
@@ -151,7 +152,8 @@ fn push_words(line: &[u8], values: &mut Vec<f64>) -> Option<()> {
     Some(())
 }
 
-/// Numbers in columns, for lines where they touch each other.
+/// Adds the numbers of a line by the widths of their fields, for lines in which numbers touch each other; none where a field holds no
+/// number.
 fn push_fields(mut line: &[u8], widths: &[usize; 2], values: &mut Vec<f64>) -> Option<()> {
     for width in widths.iter().cycle() {
         if line.trim_ascii().is_empty() {

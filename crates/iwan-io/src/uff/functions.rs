@@ -1,4 +1,4 @@
-//! Datasets 58 with what they say about points: time histories and frequency responses of a modal test.
+//! Datasets 58 with the points they belong to: time histories and frequency responses of a modal test.
 
 use super::data;
 use super::header::Header;
@@ -13,21 +13,21 @@ use std::path::Path;
 /// A dataset 58 with an even abscissa.
 #[derive(Debug, Clone, PartialEq)]
 pub struct UffFunction {
-    /// First identification line, else the response's node.
+    /// First identification line, else the node of the response.
     pub name: String,
     /// 1 time response, 2 auto spectrum, 3 cross spectrum, 4 frequency response, 6 coherence, …
     pub kind: i64,
     /// Where the response was measured.
     pub response: NodalDirection,
-    /// Where the force acted, or the reference was.
+    /// Where the force acted, or where the reference was measured.
     pub reference: NodalDirection,
-    /// What the ordinate measures (its numerator, of a ratio).
+    /// Quantity of the ordinate (of its numerator where it is a ratio).
     pub quantity: Quantity,
     /// Unit of the ordinate.
     pub unit: String,
-    /// First abscissa, s or Hz.
+    /// First value of the abscissa, s or Hz.
     pub start: f64,
-    /// Interval, s or Hz.
+    /// Interval of the abscissa, s or Hz.
     pub step: f64,
     /// Real parts.
     pub re: Vec<f64>,

@@ -13,14 +13,14 @@ use iwan_machine::shortened;
 pub(super) struct Header {
     id: String,
     response: String,
-    /// Node and direction of the response …
+    /// Node and direction of the response.
     pub(super) response_at: NodalDirection,
-    /// … and of the reference.
+    /// Node and direction of the reference.
     pub(super) reference_at: NodalDirection,
     pub(super) function_type: i64,
     /// 2 real single, 4 real double, 5 complex single, 6 complex double.
     pub(super) data_type: i64,
-    /// Number of points as the header says.
+    /// Number of points that the header promises.
     pub(super) points: u64,
     pub(super) even: bool,
     pub(super) start: f64,
@@ -68,7 +68,7 @@ impl Header {
             .unwrap_or_else(|| format!("channel {index}"))
     }
 
-    /// Why the dataset is no real time history, if so.
+    /// Why the dataset is no real time history; none where it is one.
     pub(super) fn refusal(&self) -> Option<String> {
         if matches!(self.data_type, 5 | 6) {
             return Some("a complex function (a spectrum or frequency response, not a time history)".into());
@@ -80,7 +80,7 @@ impl Header {
         None
     }
 
-    /// Whether it is a real function of time.
+    /// Whether the dataset is a real function of time.
     pub(super) fn is_over_time(&self) -> bool {
         self.refusal().is_none()
     }
@@ -125,7 +125,7 @@ fn response(dof: &str) -> String {
     }
 }
 
-/// Node and direction from a column on, Format(I10,I4).
+/// Node and direction that begin at column `at`, Format(I10,I4).
 fn nodal(dof: &str, at: usize) -> NodalDirection {
     NodalDirection { node: integer(dof, at, at + 10), direction: integer(dof, at + 10, at + 14) }
 }

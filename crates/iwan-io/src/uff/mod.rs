@@ -32,10 +32,10 @@ use iwan_machine::listed;
 use qualifiers::Window;
 use sections::Section;
 
-/// Remedy for a file without time histories.
+/// Advice for a file without time histories.
 const HISTORIES: &str = "export time histories (function type 1, real) as dataset 58 or 58b";
 
-/// A time history with where it starts and its interval, or its own times.
+/// A time history, with start and interval or with times of its own.
 struct Function {
     channel: Channel,
     axis: Axis,
@@ -76,12 +76,12 @@ pub(crate) fn parse(source: FileBytes, options: &ReadOptions) -> Result<Raw, Rea
 #[derive(Default)]
 struct Names {
     all: Vec<String>,
-    /// How often a name was asked for.
+    /// For each name, how many functions were called so far.
     asked: HashMap<String, usize>,
 }
 
 impl Names {
-    /// A name of its own: the second history of one name has (2) behind it, and so on.
+    /// A unique name for a time history: the second history of the same name gets (2) behind it, and so on.
     fn tell_apart(&mut self, name: &str) -> String {
         let mut own = name.to_owned();
         while self.asked.contains_key(&own) {
@@ -149,7 +149,7 @@ fn order(
     Ok(ordered)
 }
 
-/// One axis for all channels.
+/// Puts all channels on one time axis; an error where their times differ.
 fn join(
     source: &FileBytes,
     functions: Vec<Function>,

@@ -12,29 +12,29 @@ use crate::error::ReadError;
 use crate::file_bytes::FileBytes;
 use crate::warning::Warning;
 
-/// What a universal file says of a structure.
+/// The structure that a universal file describes.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct UffModel {
     /// Points, in the order of the file.
     pub nodes: Vec<Node>,
-    /// Nodes from one end of a line to the other.
+    /// For each line its nodes, from one end to the other; a node 0 interrupts the line.
     pub lines: Vec<Vec<i64>>,
-    /// Code of the kind of each element (111 a tetrahedron, 44 a plane quadrilateral, …) and its nodes.
+    /// For each element the code of its kind (111 a tetrahedron, 44 a plane quadrilateral, …) and its nodes.
     pub elements: Vec<(i64, Vec<i64>)>,
     /// Mode shapes.
     pub modes: Vec<NodalMode>,
-    /// What was left out.
+    /// Warnings, among them what was left out.
     pub warnings: Vec<Warning>,
 }
 
-/// Edges of a solid with four, six or eight corners, by the order of its nodes.
+/// Edges of solids with four, six and eight corners, as pairs of places (from 0) in the order of nodes.
 const TETRAHEDRON: [[usize; 2]; 6] = [[0, 1], [1, 2], [2, 0], [0, 3], [1, 3], [2, 3]];
 const WEDGE: [[usize; 2]; 9] = [[0, 1], [1, 2], [2, 0], [3, 4], [4, 5], [5, 3], [0, 3], [1, 4], [2, 5]];
 const BRICK: [[usize; 2]; 12] =
     [[0, 1], [1, 2], [2, 3], [3, 0], [4, 5], [5, 6], [6, 7], [7, 4], [0, 4], [1, 5], [2, 6], [3, 7]];
 
 impl UffModel {
-    /// Pairs of nodes between which a drawing has a line: of lines and of the elements' edges, each once.
+    /// Pairs of nodes that a drawing connects: along the lines and the elements' edges, each pair once.
     #[must_use]
     pub fn edges(&self) -> Vec<[i64; 2]> {
         let along = self.lines.iter().flat_map(|line| line.windows(2).map(|w| [w[0], w[1]]));
@@ -50,7 +50,7 @@ impl UffModel {
             pairs.into_iter().map(|[i, j]| [nodes[i], nodes[j]]).collect()
         };
         let mut edges: Vec<[i64; 2]> = along.chain(self.elements.iter().flat_map(of)).collect();
-        // A zero lifts the pen.
+        // A node 0 interrupts a line.
         edges.retain(|[a, b]| *a != 0 && *b != 0 && a != b);
         for edge in &mut edges {
             edge.sort_unstable();
@@ -107,7 +107,7 @@ fn node(rows: &Rows, number: f64, xyz: &[f64]) -> Result<Node, ReadError> {
     Ok(Node { number: number as i64, position: [xyz[0], xyz[1], xyz[2]] })
 }
 
-/// Dataset 15: Format(4I10,1P3E13.5).
+/// Reads dataset 15: Format(4I10,1P3E13.5).
 fn one_line_nodes(rows: &mut Rows, model: &mut UffModel) -> Result<(), ReadError> {
     while !rows.ended() {
         let text = rows.next().unwrap_or_default();
@@ -125,7 +125,7 @@ fn one_line_nodes(rows: &mut Rows, model: &mut UffModel) -> Result<(), ReadError
     Ok(())
 }
 
-/// Dataset 2411: Format(4I10) and Format(1P3D25.16).
+/// Reads dataset 2411: Format(4I10) and Format(1P3D25.16).
 fn two_line_nodes(rows: &mut Rows, model: &mut UffModel) -> Result<(), ReadError> {
     while !rows.ended() {
         let head = rows.integers(1, NODE)?;
@@ -135,7 +135,7 @@ fn two_line_nodes(rows: &mut Rows, model: &mut UffModel) -> Result<(), ReadError
     Ok(())
 }
 
-/// Dataset 82: number of the line, number of nodes and colour; a name; nodes, eight in a row.
+/// Reads dataset 82: number of the line, number of nodes and colour; a name; nodes, eight in a row.
 fn line(rows: &mut Rows, model: &mut UffModel) -> Result<(), ReadError> {
     let what = "a line: its number and how many nodes it has";
     let head = rows.integers(2, what)?;
@@ -153,12 +153,12 @@ fn line(rows: &mut Rows, model: &mut UffModel) -> Result<(), ReadError> {
     Ok(())
 }
 
-/// Code of an element of two nodes that needs nothing else: a rod.
+/// Code of an element of two nodes that needs no further data: a rod.
 pub const ROD: i64 = 11;
-/// Codes of beams, which have a row of orientation before their nodes.
+/// Codes of beams, whose nodes follow a row with their orientation.
 pub(super) const BEAMS: [i64; 5] = [ROD, 21, 22, 23, 24];
 
-/// Dataset 2412: six whole numbers, the last the number of nodes; the nodes, eight in a row.
+/// Reads dataset 2412: six whole numbers, the last of which is the number of nodes; then the nodes, eight in a row.
 fn elements(rows: &mut Rows, model: &mut UffModel) -> Result<(), ReadError> {
     let what = "an element: six whole numbers, the second its kind and the last how many nodes it has";
     while !rows.ended() {
@@ -217,7 +217,7 @@ mod tests {
         assert!((own.frequency * std::f64::consts::TAU / size - 1.0).abs() < 1e-9);
         assert!((own.damping_ratio - 6.25 / size).abs() < 1e-9);
         assert_eq!((&own.values, own.scale), (&mode.values, mode.scale));
-        // Modal A of 2i ω_d: the shape is mass-normalised as it stands.
+        // Modal A is written as 2i ω_d: the shape is mass-normalised as it stands.
         let normalised = own.mass_normalised().unwrap();
         assert!((normalised[0].1[1][0] - 1.5).abs() < 1e-5 && (normalised[0].1[1][1] + 0.25).abs() < 1e-5);
     }

@@ -5,13 +5,13 @@ use std::fmt;
 /// Node and direction of a response or a force; directions are 0 (none), ±1 to ±3 along x, y, z, ±4 to ±6 about them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct NodalDirection {
-    /// Node.
+    /// Number of the node.
     pub node: i64,
-    /// Direction.
+    /// Direction, -6 to 6.
     pub direction: i64,
 }
 
-/// As in `12:+z`; the node alone where there is no direction.
+/// Written as in `12:+z`; the node alone where there is no direction.
 impl fmt::Display for NodalDirection {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         const AXES: [&str; 7] = ["", "x", "y", "z", "rx", "ry", "rz"];
@@ -28,19 +28,19 @@ impl fmt::Display for NodalDirection {
 pub struct Node {
     /// Number, > 0.
     pub number: i64,
-    /// x, y, z.
+    /// Coordinates x, y, z, in the file's unit of length.
     pub position: [f64; 3],
 }
 
 /// Complex values (re, im) along x, y, z.
 pub type NodalValues = [[f64; 2]; 3];
 
-/// What the values of a mode shape are scaled by.
+/// How the values of a mode shape are scaled.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum ModalScale {
     /// The file does not say.
     Unknown,
-    /// Real shapes with a modal mass.
+    /// Real shapes with this modal mass.
     Mass(f64),
     /// Complex shapes ψ with modal A (re, im): receptances are ψ ψᵀ/(A (s - λ)) and the conjugates.
     A([f64; 2]),
@@ -49,20 +49,21 @@ pub enum ModalScale {
 /// A mode shape at nodes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NodalMode {
-    /// Hz.
+    /// Frequency, Hz.
     pub frequency: f64,
     /// Ratio of critical damping.
     pub damping_ratio: f64,
     /// Pole (real, imaginary), 1/s.
     pub pole: [f64; 2],
-    /// Scale of the values.
+    /// How the values are scaled.
     pub scale: ModalScale,
-    /// Node and complex values (re, im) along x, y, z.
+    /// For each node its number and complex values (re, im) along x, y, z.
     pub values: Vec<(i64, NodalValues)>,
 }
 
 impl NodalMode {
-    /// The values of the mass-normalised shape, for which modal A is 2i ω_d and the modal mass 1; none where the file does not say the scale.
+    /// The values of the mass-normalised shape, for which modal A is 2i ω_d and the modal mass is 1; none where the file does not state the
+    /// scale.
     ///
     /// ```
     /// use iwan_io::write_uff::{ModalScale, NodalMode};
@@ -77,7 +78,7 @@ impl NodalMode {
             ModalScale::Unknown => return None,
             ModalScale::Mass(mass) => [mass.sqrt().recip(), 0.0],
             ModalScale::A(a) => {
-                // The root of 2i ω_d/a, the one that turns least.
+                // The square root of 2i ω_d/a, of the two roots the one that turns the phase least.
                 let size = (2.0 * self.pole[1] / a[0].hypot(a[1])).sqrt();
                 let angle = 0.5 * (std::f64::consts::FRAC_PI_2 - a[1].atan2(a[0]));
                 [size * angle.cos(), size * angle.sin()]

@@ -1,7 +1,8 @@
-//! Windows that an analyser laid over functions: dataset 1858, the qualifiers of a dataset 58.
+//! Windows that an analyser applied to functions: dataset 1858, the qualifiers of a dataset 58.
 //!
-//! Layout after the "Universal Dataset Number 1858" page of the Structural Dynamics Research Laboratory, University of Cincinnati. That page does not say
-//! whether qualifiers stand before their function or behind it; a file that begins with them has them before, any other behind.
+//! Layout after the "Universal Dataset Number 1858" page of the Structural Dynamics Research Laboratory, University of Cincinnati. That
+//! page does not say whether qualifiers stand before or behind their function. In a file that begins with qualifiers they are taken to
+//! stand before it, in any other file behind it.
 
 use super::header::Header;
 use super::sections::{self, Section, line_at};
@@ -10,15 +11,15 @@ use crate::file_bytes::{FileBytes, decode};
 use crate::quantity::Quantity;
 use crate::warning::Warning;
 
-/// Bytes of a line that are looked at: a line of a universal file has 80 columns.
+/// Bytes of a line that are decoded: a line of a universal file has 80 columns.
 const LINE: usize = 80;
 
-/// The window of one function.
+/// The window applied to one function.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Window {
     /// Record 2, field 2: 1 and 2 Hanning, 3 flat top, 4 exponential, 5 impact, 6 impact and exponential.
     kind: i64,
-    /// Record 4, field 5: damping factor of an exponential window as the file has it.
+    /// Record 4, field 5: damping factor of an exponential window, as the file states it.
     damping: f64,
 }
 
@@ -45,7 +46,7 @@ impl Window {
         }
     }
 
-    /// Why nothing can be told of a time history under the window, if so.
+    /// Why a time history under the window cannot be used; none where it can be used.
     pub(super) fn refusal(window: Option<Self>, header: &Header) -> Option<String> {
         let window = window.filter(|w| header.is_over_time() && w.kind <= 3)?;
         Some(format!(
@@ -54,7 +55,7 @@ impl Window {
         ))
     }
 
-    /// What a function under the window needs to be told by, if anything.
+    /// The warning that a function under the window needs; none where it needs none.
     pub(super) fn remark(window: Option<Self>, header: &Header, name: &str) -> Option<Warning> {
         let window =
             window.filter(|w| w.kind == 4 || w.kind == 6 || (w.kind == 5 && header.is_over_time()))?;
@@ -70,10 +71,10 @@ impl Window {
     }
 }
 
-/// Remedy for a function that a window hides.
+/// Advice for a time history that a window has made useless.
 pub(super) const REMEDY: &str = "export the time histories without a window; where their samples are raw all the same, set the window type in dataset 1858 to 0";
 
-/// Finds all datasets 58 and 58b, each with its window.
+/// Finds all datasets 58 and 58b, each with the window applied to it.
 pub(super) fn split<'a>(
     source: &FileBytes<'a>,
     warnings: &mut Vec<Warning>,

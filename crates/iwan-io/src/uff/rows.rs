@@ -20,7 +20,7 @@ impl<'s, 'a> Rows<'s, 'a> {
         Self { source, body: other.body, at: 0, row: 0, place }
     }
 
-    /// The next row as it is; none at the end.
+    /// The next row as it stands; none at the end.
     pub(super) fn next(&mut self) -> Option<String> {
         let (line, next) = line_at(self.body, self.at)?;
         (self.at, self.row) = (next, self.row + 1);
@@ -40,7 +40,7 @@ impl<'s, 'a> Rows<'s, 'a> {
         )
     }
 
-    /// `count` numbers of the next rows, `width` columns each, `a_row` in each row.
+    /// `count` numbers from the next rows; each number is `width` characters wide, and each row holds `a_row` numbers.
     pub(super) fn numbers(
         &mut self,
         count: usize,
@@ -57,7 +57,7 @@ impl<'s, 'a> Rows<'s, 'a> {
         Ok(numbers)
     }
 
-    /// Whole numbers of one row: as many as are there, `least` at least.
+    /// All whole numbers of one row; an error where there are fewer than `least`.
     pub(super) fn integers(&mut self, least: usize, what: &'static str) -> Result<Vec<i64>, ReadError> {
         let text = self.next().unwrap_or_default();
         let all: Option<Vec<i64>> = text.split_whitespace().map(|f| f.parse().ok()).collect();
@@ -65,7 +65,7 @@ impl<'s, 'a> Rows<'s, 'a> {
     }
 }
 
-/// Numbers between blanks, else in columns: negative ones may leave no blank between them.
+/// `wanted` numbers of a row, separated by blanks, or else each `width` characters wide: negative numbers may leave no blank between them.
 pub(super) fn row(text: &str, width: usize, wanted: usize) -> Option<Vec<f64>> {
     let number = |field: &str| {
         let value: f64 = field.trim().replace(['D', 'd'], "e").parse().ok()?;

@@ -6,18 +6,18 @@ use crate::file_bytes::{FileBytes, decode};
 use crate::warning::Warning;
 use iwan_machine::shortened;
 
-/// Columns of a line in a universal file. Some programs fill the closing `-1` up to there, and line ends come behind it;
-/// in binary data, what goes on for longer is no line.
+/// Columns of a line in a universal file. Some programs fill the line of the closing `-1` with blanks up to this column, and the line end
+/// follows; in binary data, a longer stretch without a line end is no line.
 const LINE: usize = 80;
 
-/// Lines of a dataset 58 between its number and its data.
+/// Number of lines of a dataset 58 between its number and its data.
 pub(super) const HEADER_LINES: usize = 11;
 
-/// Fields of the first line of a dataset 58b.
+/// What the first line of a dataset 58b states.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Binary {
     pub(super) order: Order,
-    /// Number of data bytes as the header says.
+    /// Number of data bytes that the header promises.
     pub(super) promised: Option<u64>,
 }
 
@@ -38,13 +38,13 @@ pub(super) struct Section<'a> {
 }
 
 impl Section<'_> {
-    /// Where it is, for messages.
+    /// The dataset's place in the file, for messages.
     pub(super) fn place(&self) -> String {
         format!("dataset 58 no. {} at byte {}", self.index, self.offset)
     }
 }
 
-/// A dataset of another number, in text.
+/// A dataset with another number, in text.
 pub(super) struct Other<'a> {
     pub(super) number: String,
     /// Byte offset of the line with the number, for messages.
@@ -53,7 +53,7 @@ pub(super) struct Other<'a> {
     pub(super) body: &'a [u8],
 }
 
-/// Finds all datasets 58 and 58b, and hands the others on.
+/// Finds all datasets 58 and 58b, and passes the other datasets to `others`.
 pub(super) fn split<'a>(
     source: &FileBytes<'a>,
     warnings: &mut Vec<Warning>,
@@ -153,8 +153,9 @@ fn warn_of_bytes(section: &Section, warnings: &mut Vec<Warning>) {
     }
 }
 
-/// Length of binary data: as many bytes as the number of points needs if a `-1` line follows them, else as many as
-/// promised if a `-1` line follows these (the closing one rather than the opening one of the next dataset), else up to the first `-1` line, else up to the end of the file.
+/// Length in bytes of binary data: the number of bytes that the number of points needs, if a `-1` line follows them; else the promised
+/// number, if a `-1` line follows these (the closing line rather than the opening line of the next dataset); else up to the first `-1`
+/// line; else up to the end of the file.
 fn binary_length(rest: &[u8], promised: Option<u64>, header: &[&[u8]]) -> usize {
     let fields: Vec<u64> = header[6]
         .split(u8::is_ascii_whitespace)
@@ -181,7 +182,7 @@ fn binary_length(rest: &[u8], promised: Option<u64>, header: &[&[u8]]) -> usize 
     strict.or_else(loose).unwrap_or_else(|| first_closing(rest))
 }
 
-/// Offset of the first `-1` line in binary data, its line end before it not counted.
+/// Offset of the first `-1` line in binary data, without the line end before that line.
 fn first_closing(rest: &[u8]) -> usize {
     const MARK: &[u8] = b"    -1";
     let mut from = 0;
@@ -217,7 +218,7 @@ fn is_last_or_followed(mark: &[u8]) -> bool {
     true
 }
 
-/// Offset behind the closing `-1` line when `after` starts with one, a line end before it allowed.
+/// Offset behind the closing `-1` line where `after` starts with this line or with a line end before it; none elsewhere.
 fn closes(after: &[u8]) -> Option<usize> {
     let start = without_line_end(after);
     let (line, next) = line_at(start, 0)?;
@@ -240,7 +241,7 @@ fn skip_to_delimiter(bytes: &[u8], mut at: usize) -> usize {
     bytes.len()
 }
 
-/// The line at `at` without its line end, and the offset of the next one.
+/// The line at offset `at` without its line end, and the offset of the next line.
 pub(super) fn line_at(bytes: &[u8], at: usize) -> Option<(&[u8], usize)> {
     let rest = bytes.get(at..).filter(|r| !r.is_empty())?;
     let end = rest.iter().position(|b| *b == b'\n').unwrap_or(rest.len());

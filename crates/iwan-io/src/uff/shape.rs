@@ -6,21 +6,21 @@ use super::nodal::{ModalScale, NodalMode, NodalValues};
 use super::rows::Rows;
 use crate::error::ReadError;
 
-/// Rows of text before the numbers.
+/// Number of rows of text before the numbers.
 const TITLES: usize = 5;
-/// Real numbers in a row, and their columns.
+/// Width in characters of a real number, and how many stand in a row.
 const REALS: (usize, usize) = (13, 6);
 
-/// What record 6 says.
+/// What record 6 states about the values.
 struct Kind {
     /// 2 normal mode, 3 complex eigenvalue of first order, 7 of second order.
     analysis: i64,
     complex: bool,
-    /// Values a node.
+    /// Number of values for each node.
     values: usize,
 }
 
-/// A mode, or why the dataset is none.
+/// A mode, or the reason why the dataset is no mode.
 pub(super) fn mode(rows: &mut Rows) -> Result<Result<NodalMode, String>, ReadError> {
     for _ in 0..TITLES {
         let _ = rows.next();
@@ -45,7 +45,7 @@ pub(super) fn mode(rows: &mut Rows) -> Result<Result<NodalMode, String>, ReadErr
     }
     let counts = rows.integers(2, "how many whole and how many real numbers follow")?;
     let [whole, real] = [counts[0], counts[1]].map(|n| usize::try_from(n).unwrap_or(0).min(64));
-    // Eight whole numbers in a row, the two counts among them.
+    // Eight whole numbers stand in a row, and the two counts are the first two of them.
     for _ in 1..(2 + whole).div_ceil(8) {
         let _ = rows.next();
     }
@@ -62,13 +62,13 @@ pub(super) fn mode(rows: &mut Rows) -> Result<Result<NodalMode, String>, ReadErr
     Ok(Ok(mode))
 }
 
-/// Frequency and damping ratio of a pole.
+/// Frequency in Hz and damping ratio of a pole in 1/s.
 fn frequency([re, im]: [f64; 2]) -> (f64, f64) {
     let size = re.hypot(im);
     (size / TAU, -re / size)
 }
 
-/// Of a pair of conjugates the upper one.
+/// Replaces a mode by its complex conjugate: of a pair the pole with positive imaginary part is kept.
 fn conjugate(mode: &mut NodalMode) {
     mode.pole[1] = -mode.pole[1];
     if let ModalScale::A(a) = &mut mode.scale {

@@ -1,4 +1,5 @@
-//! Universal files written: points (datasets 15 and 2411), lines between them (82), elements (2412), mode shapes (55) and functions (58), as text.
+//! Writes universal files as text: points (datasets 15 and 2411), lines between them (82), elements (2412), mode shapes (55) and functions
+//! (58).
 //!
 //! Layouts after the pages of the Structural Dynamics Research Laboratory, University of Cincinnati.
 
@@ -28,7 +29,7 @@ pub fn nodes(nodes: &[Node]) -> String {
     text + MARK
 }
 
-/// Points as dataset 2411, whose seventeen digits give every bit again.
+/// Points as dataset 2411, whose seventeen digits restore every bit of the coordinates.
 ///
 /// ```
 /// let text = iwan_io::write_uff::nodes_in_full(&[iwan_io::write_uff::Node { number: 7, position: [0.0, 0.1, 1.0] }]);
@@ -39,13 +40,14 @@ pub fn nodes_in_full(nodes: &[Node]) -> String {
     let mut text = format!("{MARK}  2411\n");
     for node in nodes {
         let [x, y, z] = node.position.map(|x| real(x, 25, 16).replace('E', "D"));
-        // Writing to a string cannot fail. Coordinates and displacements are global (0), the colour is 11 as in other programs' files.
+        // Writing to a string cannot fail. Coordinate systems of position and displacement are the global one (0); the colour is 11 as in
+        // other programs' files.
         let _ = writeln!(text, "{:>10}{:>10}{:>10}{:>10}\n{x}{y}{z}", node.number, 0, 0, 11);
     }
     text + MARK
 }
 
-/// Elements as dataset 2412: the code of each one's kind, as [`ROD`](crate::ROD), and its nodes.
+/// Elements as dataset 2412; each is the code of its kind, such as [`ROD`](crate::ROD), and its nodes.
 ///
 /// ```
 /// let text = iwan_io::write_uff::elements(&[(44, vec![1, 2, 3, 4])]);
@@ -55,10 +57,10 @@ pub fn nodes_in_full(nodes: &[Node]) -> String {
 pub fn elements(elements: &[(i64, Vec<i64>)]) -> String {
     let mut text = format!("{MARK}  2412\n");
     for (n, (kind, nodes)) in elements.iter().enumerate() {
-        // Writing to a string cannot fail. Properties and material are the first, the colour is 7.
+        // Writing to a string cannot fail. The tables of properties and material have number 1, the colour is 7.
         let _ = writeln!(text, "{:>10}{kind:>10}{:>10}{:>10}{:>10}{:>10}", n + 1, 1, 1, 7, nodes.len());
         if BEAMS.contains(kind) {
-            // No node of orientation, the first cross-section at both ends.
+            // No node of orientation; cross-section 1 at both ends.
             let _ = writeln!(text, "{:>10}{:>10}{:>10}", 0, 1, 1);
         }
         for nodes in nodes.chunks(8) {
@@ -69,7 +71,7 @@ pub fn elements(elements: &[(i64, Vec<i64>)]) -> String {
     text + MARK
 }
 
-/// Lines from node to node as datasets 82, which other programs draw.
+/// Lines from node to node as datasets 82; other programs draw these.
 ///
 /// ```
 /// let text = iwan_io::write_uff::lines(&[vec![1, 2, 3]]);
@@ -112,7 +114,7 @@ pub fn modes(modes: &[NodalMode]) -> String {
         let [re, im] = mode.pole;
         let a = match mode.scale {
             ModalScale::Unknown => [0.0; 2],
-            // Of a real mode of that mass.
+            // Modal A of a real mode with this modal mass.
             ModalScale::Mass(mass) => [0.0, 2.0 * mass * im],
             ModalScale::A(a) => a,
         };
@@ -162,7 +164,7 @@ pub fn functions(functions: &[UffFunction]) -> String {
         text += &axis(0, "NONE", "NONE");
         let values: Vec<f64> =
             if complex { f.re.iter().zip(&f.im).flat_map(|(a, b)| [*a, *b]).collect() } else { f.re.clone() };
-        // Twenty characters a value and an end for each four.
+        // Twenty characters for each value, and a line end for each four values.
         text.reserve(21 * values.len() + 100);
         for line in values.chunks(4) {
             for x in line {
@@ -188,24 +190,24 @@ const fn code(quantity: Quantity) -> i32 {
     }
 }
 
-/// Fortran's E format: sign, digits, two digits of exponent at least.
+/// A number in Fortran's E format: sign, digits, and an exponent of at least two digits.
 fn real(value: f64, width: usize, digits: usize) -> String {
     let mut text = String::with_capacity(width);
     add_real(&mut text, value, width, digits);
     text
 }
 
-/// The same at the end of a text.
+/// Appends a number in Fortran's E format to a text.
 fn add_real(text: &mut String, value: f64, width: usize, digits: usize) {
     let begin = text.len();
-    // Rust's own exponent has neither a plus nor a leading zero, and is three digits at most. Writing to a string cannot fail.
+    // The exponent that Rust writes has neither a plus nor a leading zero, and at most three digits. Writing to a string cannot fail.
     let _ = write!(text, "{value:>width$.digits$E}");
     let written = &text.as_bytes()[begin..];
     let Some(e) = written.iter().rposition(|b| *b == b'E') else { return };
     let negative = written.get(e + 1) == Some(&b'-');
     let size = written.len() - e - 1 - usize::from(negative);
     let missing = usize::from(!negative) + usize::from(size < 2);
-    // What is missing takes the place of leading blanks.
+    // The plus and the zero that are inserted replace leading blanks.
     let blanks = written.iter().take_while(|b| **b == b' ').count().min(missing);
     if !negative {
         text.insert(begin + e + 1, '+');

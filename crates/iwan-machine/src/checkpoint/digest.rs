@@ -1,9 +1,9 @@
-//! A number for all that results depend on.
+//! A number that identifies all that results depend on.
 
 use std::fmt::{self, Write};
 
-/// FNV-1a of 128 bits (G. Fowler, L. C. Noll, K.-P. Vo), byte by byte: it tells whether two pieces of work are the same, on all machines
-/// alike, and is no protection against malice.
+/// FNV-1a of 128 bits (G. Fowler, L. C. Noll, K.-P. Vo), byte by byte. It shows whether two pieces of work are the same, with the same
+/// value on all machines; it is no protection against malice.
 ///
 /// ```
 /// use iwan_machine::checkpoint::Digest;
@@ -35,7 +35,7 @@ impl Digest {
         self
     }
 
-    /// Adds numbers, bit by bit, and how many there are.
+    /// Adds numbers by their bits, and how many there are.
     #[must_use]
     pub fn numbers(self, numbers: &[f64]) -> Self {
         let mut longer = self.count(numbers.len());
@@ -45,7 +45,7 @@ impl Digest {
         longer
     }
 
-    /// Adds what a value says of itself, as `{:?}` writes it, which is all of it where its fields are numbers and texts.
+    /// Adds the text that `{:?}` writes of a value, which holds all of the value where its fields are numbers and texts.
     #[must_use]
     pub fn text(mut self, value: &(impl fmt::Debug + ?Sized)) -> Self {
         // Neither this writer nor a derived `Debug` fails.
@@ -54,7 +54,7 @@ impl Digest {
         self
     }
 
-    /// The number.
+    /// The digest as a number.
     #[must_use]
     pub const fn value(self) -> u128 {
         self.0

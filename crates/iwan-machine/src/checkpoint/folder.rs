@@ -1,4 +1,4 @@
-//! The folder in which work is kept.
+//! The folder in which finished parts of work are kept.
 
 use std::collections::HashMap;
 use std::fmt::Write as _;
@@ -12,19 +12,20 @@ use super::digest::Digest;
 use super::pieces::{self, State};
 use crate::kinds::Kind;
 
-/// What the pieces in the folder are of.
+/// Name of the file that says to which work the pieces in the folder belong.
 const SAID: &str = "checkpoint.json";
-/// Results of searches, one behind the other.
+/// Name of the file that holds the results of searches, one behind the other.
 const JOURNAL: &str = "searches.journal";
-/// How names of states end.
+/// Ending of the names of files that hold states.
 const STATE: &str = ".state";
 
-/// Shortest time between two writings of a state: less is not worth a writing.
+/// Shortest time between two writings of a state: to lose less than that is not worth a writing.
 const OFTEN: Duration = Duration::from_secs(1);
-/// Time between two writings of a state, in units of the time that a writing takes: they cost a twentieth of the run at most.
+/// Least time between two writings of a state, in units of the time that a writing takes: writing then costs a twentieth of the run at
+/// most.
 const SPARINGLY: u32 = 20;
 
-/// Why there is no checkpoint.
+/// Why a folder cannot serve as checkpoint.
 #[derive(Debug, thiserror::Error)]
 pub enum CheckpointError {
     /// The folder cannot be read or written.
@@ -32,29 +33,29 @@ pub enum CheckpointError {
     Io {
         /// The folder.
         folder: PathBuf,
-        /// What the operating system says.
+        /// The operating system's error.
         source: io::Error,
     },
-    /// It holds files of something else.
+    /// The folder holds files that belong to no checkpoint.
     #[error("checkpoint {}: holds files, but no {SAID}; give a folder of its own", folder.display())]
     Foreign {
         /// The folder.
         folder: PathBuf,
     },
-    /// It is of other work.
+    /// The folder holds a checkpoint of other work.
     #[error(
         "checkpoint {}: is of other work ({differs}); repeat the command and the input that began it, or give another folder", folder.display()
     )]
     OtherWork {
         /// The folder.
         folder: PathBuf,
-        /// What differs.
+        /// The parts of the work that differ.
         differs: String,
     },
 }
 
 impl CheckpointError {
-    /// Its kind in the catalogue.
+    /// The error's kind in the catalogue of errors.
     #[must_use]
     pub const fn kind(&self) -> Kind {
         match self {
@@ -64,11 +65,11 @@ impl CheckpointError {
     }
 }
 
-/// A folder that keeps what is done of one piece of work, and tells it to a later process that does the same work.
+/// A folder that keeps finished parts of one piece of work, and returns them to a later process that does the same work.
 ///
-/// Results of searches are written one behind the other as they are found; states of work that goes on step by step replace each other.
-/// Both are found by keys that hold all they depend on, and a piece that is not whole is not there, so that a process may be killed at any
-/// time. What cannot be written while the work goes on does not stop it: [`warning`](Self::warning) tells.
+/// Results of searches are appended as they are found; states of work that proceeds step by step replace each other. Both are found by keys
+/// that hold all they depend on. A piece that is incomplete is ignored, so that a process may be killed at any time. A failure to write
+/// does not stop the work; [`warning`](Self::warning) reports it.
 ///
 /// ```
 /// use iwan_machine::checkpoint::{Checkpoint, Digest};
@@ -100,7 +101,8 @@ struct Journal {
 }
 
 impl Checkpoint {
-    /// Opens the folder, which is made where there is none. `of` names the kind of work, `given` is all that its results depend on.
+    /// Opens the folder, and makes it where it does not exist. `of` names the kind of work; `given` is a digest of all that its results
+    /// depend on.
     ///
     /// # Errors
     /// [`CheckpointError`]: also for a folder that holds other work, so that results are never mixed.
@@ -110,7 +112,7 @@ impl Checkpoint {
         fs::create_dir_all(folder).map_err(io)?;
         let path = folder.join(SAID);
         if !path.try_exists().map_err(io)? {
-            // What a process left that was killed while it wrote its first file is no work.
+            // Files of a process that was killed while it wrote its first file are no other work.
             let mut others = fs::read_dir(folder).map_err(io)?;
             let unfinished = |name: &str| name.starts_with(SAID);
             if others.any(|e| e.is_ok_and(|e| !e.file_name().to_str().is_some_and(unfinished))) {
@@ -127,13 +129,13 @@ impl Checkpoint {
         Ok(Self { folder: folder.to_path_buf(), journal, failed: Mutex::default() })
     }
 
-    /// The result of a search that was noted.
+    /// The result of a search, if it was noted under this key.
     #[must_use]
     pub fn noted(&self, key: u128) -> Option<Vec<f64>> {
         locked(&self.journal).known.get(&key).cloned()
     }
 
-    /// Notes the result of a search.
+    /// Notes the result of a search under its key.
     pub fn note(&self, key: u128, result: &[f64]) {
         let mut journal = locked(&self.journal);
         if journal.known.insert(key, result.to_vec()).is_none() {
@@ -142,15 +144,15 @@ impl Checkpoint {
         }
     }
 
-    /// The last state that was written under a key.
+    /// The last state that was written under this key.
     #[must_use]
     pub fn state(&self, key: u128) -> Option<State> {
         let bytes = crate::read_file(&self.folder.join(name(key))).ok()?;
         pieces::read_state(key, &bytes)
     }
 
-    /// Writes a state in place of the last one of its key; the last one stays until this one is whole on the disk. Returns how long to
-    /// wait before the next.
+    /// Replaces the last state of this key; that one stays until the new one is completely on the disk. Returns the time to wait before the
+    /// next writing.
     pub fn replace(&self, key: u128, steps: usize, numbers: &[&[f64]]) -> Duration {
         let (begun, path) = (Instant::now(), self.folder.join(name(key)));
         let written = replace(&path, &pieces::state(key, steps, numbers));
@@ -168,23 +170,23 @@ impl Checkpoint {
         }
     }
 
-    /// What could not be written, if anything.
+    /// What could not be written; none where all was written.
     #[must_use]
     pub fn warning(&self) -> Option<String> {
         locked(&self.failed).clone()
     }
 
-    /// Removes what was kept, and the folder where nothing else is in it.
+    /// Removes the files that were kept, and the folder if nothing else is in it.
     pub fn remove(&self) {
         for path in self.files() {
-            // What cannot be removed stays, and the next run of other work says so.
+            // A file that cannot be removed stays; the next run of other work in this folder is refused because of it.
             let _ = fs::remove_file(path);
         }
         let _ = fs::remove_dir(&self.folder);
     }
 
-    /// The files that were kept. What says which work they are of comes last: a process may be killed while it removes them, and a folder without it is
-    /// nobody's.
+    /// The files that were kept. The file that says to which work they belong comes last: a process may be killed while it removes them,
+    /// and a folder without this file no longer counts as a checkpoint.
     fn files(&self) -> Vec<PathBuf> {
         let is_said = |name: &str| name.starts_with(SAID);
         let own = |name: &str| name == JOURNAL || name.contains(STATE) || is_said(name);
@@ -197,7 +199,7 @@ impl Checkpoint {
 }
 
 impl Journal {
-    /// Reads what is whole, and goes on behind it.
+    /// Reads the complete pieces; later pieces are appended behind them.
     fn open(path: &Path) -> io::Result<Self> {
         let mut file = OpenOptions::new().append(true).create(true).open(path)?;
         let bytes = crate::read_file(path)?;
@@ -207,7 +209,7 @@ impl Journal {
             rest = behind;
         }
         if !rest.is_empty() {
-            // The process was killed, or the disk was full, in the middle of a piece.
+            // The process was killed, or the disk was full, while a piece was written: the incomplete piece is cut off.
             file.set_len((bytes.len() - rest.len()) as u64)?;
             file.flush()?;
         }
@@ -219,7 +221,7 @@ fn name(key: u128) -> String {
     format!("{key:032x}{STATE}")
 }
 
-/// Work in words: one line for each of its parts.
+/// The text that identifies the work: one line for each of its parts.
 fn said(of: &str, version: &str, given: Digest) -> String {
     format!("{{\n \"of\": {of:?},\n \"version\": {version:?},\n \"given\": \"{:032x}\"\n}}\n", given.value())
 }
@@ -238,7 +240,7 @@ fn differing(said: &str, found: &str) -> String {
     if parts.is_empty() { format!("{SAID} is damaged") } else { format!("{parts} {verb}") }
 }
 
-/// Puts a whole file in place of another.
+/// Replaces a file as a whole, so that it never holds a part of the new content.
 fn replace(path: &Path, content: &[u8]) -> io::Result<()> {
     let mut temporary = path.as_os_str().to_owned();
     temporary.push(format!(".{}", std::process::id()));
@@ -265,7 +267,8 @@ mod tests {
         Checkpoint::open(folder, "tests", "1", Digest::default().count(given))
     }
 
-    /// A process is killed in the middle of a piece, wherever that is: the pieces before it are there, and further ones are read again.
+    /// A process is killed while it writes a piece, at any byte of it: the pieces before it are read, and pieces noted later are read
+    /// again.
     #[test]
     fn a_journal_that_is_cut_anywhere_goes_on() {
         let place = tempfile::tempdir().unwrap();
@@ -289,7 +292,8 @@ mod tests {
         }
     }
 
-    /// A run was killed while it removed its checkpoint, and the next one was refused: the file that says what the work is had gone first.
+    /// A run was once killed while it removed its checkpoint, and the next run was refused: the file that identifies the work had been
+    /// removed first.
     #[test]
     fn a_removal_that_is_broken_off_leaves_a_checkpoint() {
         let place = tempfile::tempdir().unwrap();
@@ -344,7 +348,7 @@ mod tests {
         assert_eq!(fs::read_dir(&mine).unwrap().count(), 1);
     }
 
-    /// What a user puts beside the pieces stays.
+    /// Files that a user puts beside the pieces stay.
     #[test]
     fn the_end_removes_its_own_files_only() {
         let place = tempfile::tempdir().unwrap();
@@ -356,7 +360,7 @@ mod tests {
         assert_eq!(left, ["notes.txt"]);
     }
 
-    /// A folder that goes away under a run, or a full disk, is told and stops nothing.
+    /// A folder that vanishes during a run, or a full disk, leads to a warning and does not stop the run.
     #[test]
     fn what_cannot_be_written_is_told() {
         let place = tempfile::tempdir().unwrap();

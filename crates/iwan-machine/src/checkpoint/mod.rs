@@ -1,4 +1,4 @@
-//! Long work that is kept while it is done, so that what was done before a process was killed is not done again.
+//! Checkpoints: finished parts of long work are kept on the disk, so that they need not be computed again after a process was killed.
 
 mod digest;
 mod pieces;

@@ -1,20 +1,21 @@
-//! How pieces stand in files: numbers as their bits, each piece behind its own check, so that a piece that is not whole is no piece.
+//! How pieces are stored in files: numbers as their bits, each piece with a check value before its numbers, by which an incomplete piece is
+//! recognised and ignored.
 
 use super::digest::Digest;
 
-/// A state of work that goes on step by step.
+/// A state of work that proceeds step by step.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct State {
-    /// Steps that are done.
+    /// Number of steps that are done.
     pub steps: usize,
-    /// The numbers that the next step begins with, and what was recorded so far.
+    /// Lists of numbers: those with which the next step begins, and those recorded so far.
     pub numbers: Vec<Vec<f64>>,
 }
 
-/// Bytes before the numbers of a piece: its key, how many numbers, and the check.
+/// Bytes before the numbers of a piece: its key (16), the number of numbers (8), and the check value (16).
 const HEAD: usize = 16 + 8 + 16;
 
-/// A piece as bytes: key, count, check, numbers.
+/// The bytes of a piece: key, count, check value, numbers.
 pub(super) fn written(key: u128, numbers: &[f64]) -> Vec<u8> {
     let check = Digest::default().numbers(numbers).value() ^ key;
     let mut bytes = Vec::with_capacity(HEAD + 8 * numbers.len());
@@ -27,7 +28,7 @@ pub(super) fn written(key: u128, numbers: &[f64]) -> Vec<u8> {
     bytes
 }
 
-/// The piece with which the bytes begin, and the bytes behind it; none where it is not whole.
+/// The piece with which the bytes begin (key, numbers), and the bytes behind it; none where it is incomplete.
 pub(super) fn read(bytes: &[u8]) -> Option<(u128, Vec<f64>, &[u8])> {
     let (key, rest) = bytes.split_first_chunk::<16>()?;
     let (count, rest) = rest.split_first_chunk::<8>()?;
@@ -40,13 +41,13 @@ pub(super) fn read(bytes: &[u8]) -> Option<(u128, Vec<f64>, &[u8])> {
     (Digest::default().numbers(&numbers).value() ^ key == check).then_some((key, numbers, rest))
 }
 
-/// A state as bytes: the steps, then each list of numbers as a piece.
+/// The bytes of a state: the number of steps, then each list of numbers as a piece.
 pub(super) fn state(key: u128, steps: usize, numbers: &[&[f64]]) -> Vec<u8> {
     let lists = numbers.iter().flat_map(|list| written(key, list));
     written(key, &[steps as f64, numbers.len() as f64]).into_iter().chain(lists).collect()
 }
 
-/// The state of a key; none where it is not whole.
+/// The state in the bytes; none where it is incomplete or has another key.
 pub(super) fn read_state(key: u128, bytes: &[u8]) -> Option<State> {
     let (first, head, mut rest) = read(bytes)?;
     let [steps, lists] = head.try_into().ok().filter(|_| first == key)?;

@@ -1,4 +1,4 @@
-//! NumPy arrays at the door: whatever holds real numbers comes in as float64 in C order, results go out without a copy.
+//! NumPy arrays between Python and Rust: any object of real numbers is read as float64 in C order; results are returned without a copy.
 
 use numpy::ndarray::{Array, Array2, Array3, IxDyn};
 use numpy::{
@@ -17,7 +17,7 @@ pub(crate) struct Numbers {
     pub(crate) shape: Vec<usize>,
 }
 
-/// Refuses an array of `numpy.ma` that hides samples: what stands under a mask is no measurement.
+/// Refuses a masked array of `numpy.ma`: a value under a mask is no measurement.
 fn refuse_masked(name: &str, object: &Bound<'_, PyAny>) -> PyResult<()> {
     let py = object.py();
     if object.hasattr(intern!(py, "_mask"))? && object.hasattr(intern!(py, "mask"))? {
@@ -36,9 +36,9 @@ fn refuse_masked(name: &str, object: &Bound<'_, PyAny>) -> PyResult<()> {
 }
 
 impl Numbers {
-    /// From anything that NumPy takes for real numbers: arrays of any layout, integers, float32, lists, scalars.
+    /// Reads any object that NumPy takes for real numbers: arrays of any layout, integers, float32, lists, scalars.
     ///
-    /// Copied, because another thread may write to the array while the lock is released.
+    /// The numbers are copied, because another thread may write to the array while the interpreter's lock is released.
     pub(crate) fn read(name: &str, object: &Bound<'_, PyAny>) -> PyResult<Self> {
         if object.is_instance_of::<PyFloat>()
             || (object.is_instance_of::<PyInt>() && !object.is_instance_of::<PyBool>())
@@ -67,7 +67,7 @@ impl Numbers {
         Ok(Self::copy(floats.cast::<PyArrayDyn<f64>>().map_err(PyErr::from)?))
     }
 
-    /// The same, all finite.
+    /// Reads numbers, all of which must be finite.
     pub(crate) fn finite(name: &str, object: &Bound<'_, PyAny>) -> PyResult<Self> {
         let numbers = Self::read(name, object)?;
         match numbers.values.iter().position(|x| !x.is_finite()) {
@@ -80,7 +80,7 @@ impl Numbers {
         }
     }
 
-    /// The same, in one dimension.
+    /// Reads finite numbers of one dimension.
     pub(crate) fn vector(name: &str, object: &Bound<'_, PyAny>) -> PyResult<Vec<f64>> {
         let numbers = Self::finite(name, object)?;
         if numbers.shape.len() == 1 {
@@ -98,13 +98,13 @@ impl Numbers {
         Self { values, shape: array.shape().to_vec() }
     }
 
-    /// Each number through `f`.
+    /// Applies `f` to each number.
     pub(crate) fn map(mut self, f: impl Fn(f64) -> f64) -> Self {
         self.values.iter_mut().for_each(|x| *x = f(*x));
         self
     }
 
-    /// As Python wants it: a float for a scalar, else an array of the same shape.
+    /// The numbers as a Python object: a float for a scalar, else an array of the same shape.
     pub(crate) fn into_python(self, py: Python<'_>) -> PyResult<Bound<'_, PyAny>> {
         if self.shape.is_empty() {
             return Ok(PyFloat::new(py, self.values[0]).into_any());
@@ -113,13 +113,13 @@ impl Numbers {
     }
 }
 
-/// Whether all elements stand where a float64 may stand: not so in packed structures and received buffers.
+/// Whether all elements are aligned in memory as float64 requires; those of packed structures and received buffers may not be.
 fn is_aligned(array: &Bound<'_, PyArrayDyn<f64>>) -> bool {
     const SIZE: usize = size_of::<f64>();
     array.data().is_aligned() && array.strides().iter().all(|stride| stride.unsigned_abs() % SIZE == 0)
 }
 
-/// `[3]` or `[1, 2]`: where in an array.
+/// The place of an element in an array, for messages: `[3]` or `[1, 2]`.
 pub(crate) fn place(mut index: usize, shape: &[usize]) -> String {
     let mut indices = Vec::new();
     for n in shape.iter().rev() {
@@ -129,7 +129,7 @@ pub(crate) fn place(mut index: usize, shape: &[usize]) -> String {
     if indices.is_empty() { String::new() } else { format!("[{}]", indices.join(", ")) }
 }
 
-/// An array of any shape, without a copy.
+/// An array of the given shape, made without a copy.
 pub(crate) fn shaped(
     py: Python<'_>,
     shape: Vec<usize>,
@@ -139,7 +139,7 @@ pub(crate) fn shaped(
     Ok(array.map_err(|error| value(error.to_string()))?.into_pyarray(py))
 }
 
-/// An array of one dimension, without a copy.
+/// An array of one dimension, made without a copy.
 pub(crate) fn array(py: Python<'_>, values: Vec<f64>) -> Py<PyArray1<f64>> {
     PyArray1::from_vec(py, values).unbind()
 }
@@ -153,7 +153,7 @@ pub(crate) fn frozen_rows(py: Python<'_>, rows: &[Vec<f64>]) -> PyResult<Py<PyAr
     Ok(array.unbind())
 }
 
-/// An array of three dimensions, read-only, without a copy.
+/// An array of three dimensions, read-only, made without a copy.
 pub(crate) fn cube(py: Python<'_>, shape: [usize; 3], values: Vec<f64>) -> PyResult<Py<PyArray3<f64>>> {
     let array = Array3::from_shape_vec(shape, values);
     let array = array.map_err(|error| value(error.to_string()))?.into_pyarray(py);

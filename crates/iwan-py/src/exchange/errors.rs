@@ -1,4 +1,4 @@
-//! The libraries' errors as Python exceptions, in Python's words.
+//! The libraries' errors as Python exceptions, with Python's arguments in place of the command line's options.
 
 use std::path::{Path, PathBuf};
 
@@ -24,14 +24,14 @@ mod python {
     pyo3::import_exception!(iwan.errors, StructureError);
 }
 
-/// The exception with its kind in the catalogue of errors, where it is another than that of its class.
+/// The exception with a kind of the catalogue of errors, where this kind differs from that of the exception's class.
 pub(crate) fn of(kind: Kind, error: PyErr) -> PyErr {
-    // An attribute that cannot be set leaves the class's own, which says less and nothing wrong.
+    // If the attribute cannot be set, the kind of the class remains, which is less specific but not wrong.
     Python::attach(|py| error.value(py).setattr("kind", kind.name()).ok());
     error
 }
 
-/// A bad value: `iwan.InvalidValueError`.
+/// The exception for a bad value: `iwan.InvalidValueError`.
 pub(crate) fn value(message: impl Into<String>) -> PyErr {
     python::InvalidValueError::new_err(in_python(&message.into(), Call::Other))
 }
@@ -47,17 +47,17 @@ pub(crate) fn warn(py: Python<'_>, message: &str) -> PyResult<()> {
     PyErr::warn(py, &py.get_type::<pyo3::exceptions::PyUserWarning>(), &message, 1)
 }
 
-/// A computation that failed: `iwan.ComputationError`.
+/// The exception for a computation that failed: `iwan.ComputationError`.
 pub(crate) fn computation(message: String) -> PyErr {
     python::ComputationError::new_err(in_python(&message, Call::Other))
 }
 
-/// Memory that is lacking: `iwan.ComputationError`.
+/// The exception for too little memory: `iwan.ComputationError`.
 pub(crate) fn lacking(short: &iwan_machine::memory::Short) -> PyErr {
     of(Kind::Memory, computation(short.to_string()))
 }
 
-/// A record that is none: `iwan.RecordError`.
+/// The exception for an invalid record: `iwan.RecordError`.
 pub(crate) fn record(message: String) -> PyErr {
     python::RecordError::new_err(in_python(&message, Call::Other))
 }
@@ -67,12 +67,12 @@ pub(crate) fn no_record(error: &RecordError) -> PyErr {
     of(error.kind(), value(error.to_string()))
 }
 
-/// A bad type: `iwan.InvalidTypeError`.
+/// The exception for a wrong type: `iwan.InvalidTypeError`.
 pub(crate) fn wrong_type(message: impl Into<String>) -> PyErr {
     python::InvalidTypeError::new_err(message.into())
 }
 
-/// Names of the libraries and what the arguments are called in Python.
+/// Names in errors of the libraries, and the corresponding arguments in Python.
 const ARGUMENTS: [(&str, &str); 6] = [
     ("time step", "dt"),
     ("force time step", "dt"),
@@ -93,7 +93,7 @@ pub(crate) fn core(mut error: iwan_core::Error) -> PyErr {
     value(error.to_string())
 }
 
-/// An error of iwan-sim. A failed computation is no bad value.
+/// The exception for an error of iwan-sim; a failed computation is not reported as a bad value.
 pub(crate) fn simulation(error: SimulationError) -> PyErr {
     match error {
         SimulationError::Parameter(error) => core(error),
@@ -111,7 +111,7 @@ pub(crate) fn simulation_at(place: &str, error: SimulationError) -> PyErr {
     }
 }
 
-/// Records that do not tell what was asked: `iwan.IdentificationError`.
+/// The exception for records from which the wanted result cannot be found: `iwan.IdentificationError`.
 pub(crate) fn identification_failed(message: String) -> PyErr {
     python::IdentificationError::new_err(in_python(&message, Call::Other))
 }
@@ -156,7 +156,7 @@ fn file_error(source: &std::io::Error, message: String, file: PathBuf) -> PyErr 
     }
 }
 
-/// The system's number for a file that exists, the same on all.
+/// The error number EEXIST (a file exists), which has this value on all systems.
 const EEXIST: i32 = 17;
 
 /// An error of the writer of files.
@@ -173,7 +173,7 @@ pub(crate) fn writing(error: &WriteError) -> PyErr {
     of(error.kind(), exception)
 }
 
-/// A structure file that cannot be read at all.
+/// The exception for a structure file that cannot be read at all.
 pub(crate) fn missing_file(path: &Path, error: &std::io::Error) -> PyErr {
     let message = format!("cannot be read: {error}; check the path; `iwan scenario paper-a` prints a start");
     file_error(error, message, path.to_path_buf())
@@ -190,7 +190,7 @@ pub(crate) fn input(place: &str, error: &InputError) -> PyErr {
     of(error.kind, structure(&format!("{prefix}{error}")))
 }
 
-/// An error of iwan-fem: what could not be set up is a bad value, the rest failed.
+/// The exception for an error of iwan-fem: a bad value where the model could not be set up, else a failed computation.
 pub(crate) fn fem(name: &str, error: &iwan_fem::Error) -> PyErr {
     use iwan_fem::Error::{Analysis, Element, Interrupted, Model, Modes, Node, OutOfRange};
     let exception = match error {

@@ -1,5 +1,5 @@
-//! What passes between Python and Rust: arrays, exceptions in Python's words, choices by name, texts that read back, texts as files, and work without the
-//! interpreter's lock.
+//! Conversions between Python and Rust: arrays, exceptions in Python's words, choices by name, texts that Python can read again, texts as files, and work
+//! without the interpreter's lock.
 
 pub(crate) mod arguments;
 pub(crate) mod errors;

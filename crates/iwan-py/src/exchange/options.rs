@@ -1,4 +1,4 @@
-//! Arguments that stand for choices of the libraries.
+//! Arguments of Python that choose among options of the libraries.
 
 use iwan_core::{Grid, Representation};
 use iwan_input::scenario::MOST_SLIDERS;
@@ -7,8 +7,9 @@ use pyo3::prelude::*;
 
 use crate::exchange::errors::{value, wrong_type};
 
-/// Number of sliders (none: the continuum) and grid: "graded", "uniform" or the ratio of neighbouring strengths. What
-/// "graded" is, and no grid at all, is the caller's: a mode and a structure have different smallest strengths.
+/// The representation of a joint: number of sliders (none: the continuum), and grid ("graded", "uniform" or the ratio of neighbouring
+/// strengths). The caller supplies the grid for "graded" and for no grid at all, because a mode and a structure have different smallest
+/// strengths.
 pub(crate) fn representation_of(
     sliders: Option<usize>,
     grid: Option<&Bound<'_, PyAny>>,
@@ -39,7 +40,7 @@ pub(crate) fn representation_of(
     Ok(Representation::Sliders { bins, grid })
 }
 
-/// What the numbers of a method are.
+/// The numerical parameters of a method.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct MethodOptions {
     pub(crate) joint: Representation,
@@ -48,7 +49,7 @@ pub(crate) struct MethodOptions {
     pub(crate) gamma: f64,
 }
 
-/// A method by its name.
+/// The method with this name.
 pub(crate) fn method(name: &str, options: MethodOptions) -> PyResult<Method> {
     let MethodOptions { joint, prewarp, beta, gamma } = options;
     match (name, joint) {
@@ -63,12 +64,12 @@ pub(crate) fn method(name: &str, options: MethodOptions) -> PyResult<Method> {
     }
 }
 
-/// A choice that does not exist.
+/// The exception for a choice that does not exist.
 pub(crate) fn unknown(argument: &str, given: &str, known: &[&str]) -> PyErr {
     value(format!("{argument} = '{given}' is not known: choose one of '{}'", known.join("', '")))
 }
 
-/// A choice by its name.
+/// The choice with the given name.
 pub(crate) fn choose<T: Copy>(argument: &str, given: &str, choices: &[(&str, T)]) -> PyResult<T> {
     let found = choices.iter().find(|(name, _)| *name == given);
     let names = || choices.iter().map(|(name, _)| *name).collect::<Vec<_>>();

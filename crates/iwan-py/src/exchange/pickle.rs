@@ -1,15 +1,15 @@
-//! What pickling and hashing of the package's values need.
+//! Helpers for pickling and hashing the package's values.
 
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-/// A function and its arguments that make an equal value: what pickling needs where the constructor does not do.
+/// A function and its arguments that make an equal value; pickling needs them where the constructor alone cannot.
 pub(crate) type Remake<'py> = (Bound<'py, PyAny>, Bound<'py, PyAny>);
 
-/// Keyword arguments that make an equal value: what pickling needs.
+/// Keyword arguments of the constructor that make an equal value; pickling needs them.
 pub(crate) type NewArguments<'py> = ((), Bound<'py, PyDict>);
 
-/// Of numbers: the same for 0.0 and -0.0, which are equal.
+/// A hash of numbers; it is the same for 0.0 and -0.0, which are equal.
 pub(crate) fn hash(values: &[f64]) -> u64 {
     use std::hash::{DefaultHasher, Hash, Hasher};
     let mut hasher = DefaultHasher::new();

@@ -1,6 +1,6 @@
-//! Texts that read back: what `repr` shows is a Python expression for an equal value.
+//! Texts for `repr`: each is a Python expression for an equal value.
 
-/// A float as Python writes and reads it, to the last bit.
+/// A float as Python writes and reads it, with all its bits.
 pub(crate) fn float(x: f64) -> String {
     if x.is_finite() { format!("{x:?}") } else { format!("float('{x}')") }
 }

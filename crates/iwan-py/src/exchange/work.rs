@@ -1,4 +1,4 @@
-//! Long work without the interpreter's lock: Ctrl-C, progress, threads.
+//! Long work without the interpreter's lock: it can be stopped by Ctrl-C, reports progress, and uses threads.
 
 use std::ops::ControlFlow;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -12,10 +12,10 @@ use pyo3::prelude::*;
 
 use crate::exchange::errors::computation;
 
-/// How often signals are looked at and progress is told: Ctrl-C is honoured well within 0.2 s.
+/// Time between two checks for signals and reports of progress: with it, Ctrl-C is handled well within 0.2 s.
 const PATIENCE: Duration = Duration::from_millis(40);
 
-/// What work and the thread that waits for it tell one another.
+/// State that the work and the thread that waits for it share.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Control(Arc<Shared>);
 
@@ -26,7 +26,7 @@ struct Shared {
 }
 
 impl Control {
-    /// Whether to stop: the caller has gone, and the work is for nobody.
+    /// Whether to stop: the caller no longer waits, and nobody needs the result.
     pub(crate) fn stop(&self) -> ControlFlow<()> {
         if self.0.abandoned.load(Ordering::Relaxed) {
             ControlFlow::Break(())
@@ -35,12 +35,12 @@ impl Control {
         }
     }
 
-    /// Set as soon as to stop.
+    /// A flag that is set when the work is to stop.
     pub(crate) fn flag(&self) -> &Arc<AtomicBool> {
         &self.0.abandoned
     }
 
-    /// Says how many pieces are done, and hears whether to stop.
+    /// Reports how many pieces are done, and returns whether to stop.
     pub(crate) fn report(&self, done: usize) -> ControlFlow<()> {
         self.0.done.fetch_max(done, Ordering::Relaxed);
         self.stop()
@@ -59,7 +59,7 @@ pub(crate) fn run<T: Send + 'static>(
     if lasting { watched(py, None, work) } else { py.detach(|| sheltered(|| work(&Control::default()))) }
 }
 
-/// Runs lasting work, and calls `progress` with the number of pieces done, from time to time and at the end.
+/// Runs long work, and calls `progress` with the number of pieces done, at intervals and at the end.
 pub(crate) fn watched<T: Send + 'static>(
     py: Python<'_>,
     progress: Option<&Bound<'_, PyAny>>,
@@ -68,9 +68,9 @@ pub(crate) fn watched<T: Send + 'static>(
     let (sender, receiver) = channel();
     let control = Control::default();
     let told = control.clone();
-    // Without a receiver nobody waits for the result.
+    // If sending fails, nobody waits for the result any more.
     let begun = begin("iwan", move || drop(sender.send(sheltered(|| work(&told)))));
-    // Where no thread can be had, the work is done here, and signals are seen when it has ended.
+    // Where no thread can be started, the work is done on this thread, and signals are handled only when it has ended.
     if let Err(work) = begun {
         py.detach(work);
     }
@@ -89,7 +89,7 @@ pub(crate) fn watched<T: Send + 'static>(
     }
 }
 
-/// Does work; a panic, which is a fault in this program, becomes an `iwan.ComputationError` that `except Exception` catches.
+/// Runs work; a panic, which is a fault in this program, becomes an `iwan.ComputationError` that `except Exception` catches.
 fn sheltered<T>(work: impl FnOnce() -> T) -> PyResult<T> {
     catch_unwind(AssertUnwindSafe(work)).map_err(|panic| {
         let text = panic.downcast_ref::<String>().map(String::as_str);
@@ -101,7 +101,7 @@ fn fault(what: &str) -> PyErr {
     computation(format!("a fault in this program, please report it: {what}"))
 }
 
-/// Waits for a result, looking round between; none when the sender has gone without one.
+/// Waits for a result, and calls `look_round` between checks; none when the sender was dropped without a result.
 fn wait<T: Send>(
     py: Python<'_>,
     receiver: &Mutex<Receiver<T>>,
@@ -116,7 +116,7 @@ fn wait<T: Send>(
     }
 }
 
-/// `f` of each item on up to `threads` threads, in the order of the items; none when told to stop.
+/// Applies `f` to each item on up to `threads` threads; the results are in the order of the items. None when told to stop.
 pub(crate) fn each<T: Send, U: Send>(
     items: Vec<T>,
     threads: usize,

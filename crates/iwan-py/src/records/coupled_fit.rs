@@ -20,10 +20,10 @@ use crate::records::envelope::method_named;
 use crate::records::mode_records::motion;
 use crate::records::record::Record;
 
-/// What progress counts to.
+/// The count that progress reaches at the end.
 const PARTS: f64 = 1000.0;
 
-/// Name, record, force.
+/// A record with its name and its force.
 type Given<'py> = (String, Bound<'py, Record>, Option<Bound<'py, PyAny>>);
 
 /// Which modes are wanted, by the names of the arguments of `iwan.fit_coupled`.

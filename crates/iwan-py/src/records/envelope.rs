@@ -139,7 +139,7 @@ impl Envelope {
     }
 }
 
-/// Start, trusted window, order and noise, as pickled.
+/// The envelope's figures in a pickle: start time, trusted window, order and noise.
 type Figures = (f64, (f64, f64), usize, f64);
 
 /// Makes a pickled `Envelope` again.
@@ -252,7 +252,7 @@ pub(crate) fn _envelopes(
         .collect()
 }
 
-/// The envelope of a mode, with what disturbs its record.
+/// The envelope of a mode, with the disturbances of its record among the notes.
 fn of_modal(modal: Modal, method: Method, options: &Options) -> Result<Envelope, iwan_ident::Error> {
     let Modal { samples, dt, start, notes, quantity, .. } = modal;
     let mut envelope = signal::envelope(&samples, dt, method, options)?;
@@ -267,7 +267,7 @@ fn of_modal(modal: Modal, method: Method, options: &Options) -> Result<Envelope,
                 times.join(", ")
             ));
         }
-        // Clipping is what the envelope looks after itself.
+        // The envelope handles clipping itself, so that it needs no note here.
         let events = seen.events.iter().filter(|event| !matches!(event, Event::Clipped { .. }));
         before.extend(events.map(|event| {
             format!("{event}, at {:.6} s; cut there with Record.between", start + event.time())
@@ -291,7 +291,7 @@ fn one(
         .ok_or_else(|| value("there is no record"))
 }
 
-/// A method by its name.
+/// The method with this name.
 pub(crate) fn method_named(name: &str) -> PyResult<Method> {
     let names = || Method::ALL.map(Method::name);
     Method::ALL.into_iter().find(|m| m.name() == name).ok_or_else(|| unknown("method", name, &names()))

@@ -1,4 +1,4 @@
-//! Identification: records in, parameters with intervals, curves and a verdict out. `iwan.fit` is its face.
+//! Identification, for `iwan.fit`: from records to parameters with intervals, curves and a verdict.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -27,7 +27,7 @@ use crate::exchange::work::{self, Control};
 use crate::records::envelope::{Envelope, method_named};
 use crate::records::mode_records::{Modal, band_of_mode, modal, motion};
 
-/// Parameters that are sought by their logarithms in a likelihood.
+/// Parameters whose logarithms are the coordinates of a likelihood.
 const LOGARITHMIC: [Parameter; 3] = [Parameter::KT, Parameter::FS, Parameter::Beta];
 
 /// What was asked for, by the names of the arguments of `iwan.fit`.
@@ -83,7 +83,7 @@ impl Request<'_> {
     }
 }
 
-/// Records of one mode, ready to be identified.
+/// Records of one mode with the settings of their identification.
 struct Task {
     records: Vec<Modal>,
     mass_normalised: bool,
@@ -102,11 +102,11 @@ fn sources(records: &[Modal]) -> Vec<ModeRecord<'_>> {
     records.iter().map(|r| ModeRecord { samples: &r.samples, dt: r.dt, quantity: r.quantity }).collect()
 }
 
-/// An identification with what it was made from.
+/// An identification with its records and settings.
 #[derive(Debug)]
 pub(super) struct Made {
     records: Vec<Modal>,
-    /// Whether they carry the root of a modal mass.
+    /// Whether the samples are multiplied by the square root of a modal mass.
     mass_normalised: bool,
     settings: Settings,
     pub(super) found: Identification,
@@ -161,7 +161,7 @@ pub(crate) fn _identify_many<'py>(
     made.unwrap_or_default().into_iter().map(entry).collect()
 }
 
-/// Mass-normalises records of a point that moves with a modal mass.
+/// Mass-normalises the records of a point that moves with the modal mass `mass`.
 fn scale(records: &mut [Modal], mass: Option<f64>) -> PyResult<()> {
     let Some(mass) = mass else { return Ok(()) };
     if !(mass > 0.0 && mass.is_finite()) {
@@ -238,7 +238,7 @@ impl Identified {
     }
 }
 
-/// One law with the parameters that make its mode.
+/// A fitted law as a dict, with the parameters that make a mode of it.
 fn law<'py>(py: Python<'py>, l: &FittedLaw) -> PyResult<Bound<'py, PyDict>> {
     let (dict, parameters, intervals) = (PyDict::new(py), PyDict::new(py), PyDict::new(py));
     for p in &l.parameters {
@@ -260,7 +260,7 @@ fn law<'py>(py: Python<'py>, l: &FittedLaw) -> PyResult<Bound<'py, PyDict>> {
     Ok(dict)
 }
 
-/// The six parameters with their intervals and profiles, and the verdict.
+/// Puts the six parameters with their intervals and profiles, and the verdict, into a dict.
 pub(crate) fn six(dict: &Bound<'_, PyDict>, all: &[Profile], limit: f64, verdict: &Verdict) -> PyResult<()> {
     let py = dict.py();
     let (parameters, intervals, profiles) = (PyDict::new(py), PyDict::new(py), PyDict::new(py));
@@ -281,7 +281,7 @@ pub(crate) fn six(dict: &Bound<'_, PyDict>, all: &[Profile], limit: f64, verdict
     dict.set_item("misfit", &verdict.misfit)
 }
 
-/// Smooth curves with bands.
+/// Smooth curves with bands as a dict.
 fn backbone<'py>(py: Python<'py>, b: &Backbone) -> PyResult<Bound<'py, PyDict>> {
     let dict = PyDict::new(py);
     let columns = [
@@ -324,7 +324,7 @@ impl Made {
 }
 
 impl Identified {
-    /// What the records are called where no one named them.
+    /// Default names of the records, where the caller gave none.
     pub(super) fn names(&self) -> Vec<String> {
         match self.0.records.len() {
             1 => vec!["record".into()],
@@ -365,7 +365,7 @@ impl Identified {
         }
     }
 
-    /// Curves of all records, one below the other, on the axis asked for.
+    /// Curves of all records, joined one after the other, with the force axis that was asked for.
     fn curves<'py>(&self, py: Python<'py>, all: &[Curves], force_axis: &str) -> PyResult<Bound<'py, PyDict>> {
         let p = &self.0.found.parameters;
         let axis = match force_axis {
@@ -418,7 +418,7 @@ pub(crate) struct Likelihood {
 }
 
 impl Likelihood {
-    /// Parameters and starts from coordinates; none where they are no numbers that mean anything.
+    /// Parameters and starts from coordinates. They may be meaningless where the coordinates are.
     fn read(&self, x: &[f64]) -> (Parameters, Vec<TurningPoint>) {
         let mut parameters = *self.library.parameters();
         for (parameter, x) in self.free.iter().zip(x) {
@@ -433,7 +433,7 @@ impl Likelihood {
         (parameters, starts.collect())
     }
 
-    /// Coordinates of each record.
+    /// Number of coordinates that each record has for itself.
     fn own(&self) -> usize {
         if self.library.has_days() { 3 } else { 2 }
     }

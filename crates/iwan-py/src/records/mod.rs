@@ -1,4 +1,4 @@
-//! Records of any origin, and what they tell: envelopes, curves, parameters with their intervals.
+//! Records of any origin, and what is identified from them: envelopes, curves, parameters with their intervals.
 
 pub(crate) mod record;
 pub(crate) mod mode_records;

@@ -1,4 +1,4 @@
-//! Records of one mode, out of whatever stands for records.
+//! Records of one mode, made of the objects that a caller gives as records.
 
 use iwan_ident::channels::{NoMode, Recording, Shape, one_mode};
 use iwan_ident::curves;
@@ -24,9 +24,9 @@ pub(crate) struct Modal {
     pub(crate) quantity: curves::Quantity,
     /// Unit of the samples as text.
     pub(crate) unit: String,
-    /// Names of the channels it was taken from.
+    /// Names of the channels from which the record was taken.
     pub(crate) channels: Vec<String>,
-    /// How the channels were combined, and what was assumed.
+    /// Remarks: how the channels were combined, and what was assumed.
     pub(crate) notes: Vec<String>,
 }
 
@@ -89,7 +89,7 @@ pub(crate) fn modal(
     Ok(records.iter().zip(mode.records).map(one).collect())
 }
 
-/// The band around the spectral peak nearest to `near` Hz, in the channel named or in all of them.
+/// The band around the spectral peak nearest to `near` Hz, in the named channel or in all channels.
 pub(crate) fn band_of_mode(
     record: &Bound<'_, PyAny>,
     dt: Option<f64>,
@@ -106,7 +106,7 @@ pub(crate) fn band_of_mode(
     Ok((band.low, band.high))
 }
 
-/// A record, or whatever `iwan.as_record` makes one of.
+/// A record, or an object from which `iwan.as_record` makes one.
 fn taken<'py>(record: &Bound<'py, PyAny>, dt: Option<f64>) -> PyResult<Bound<'py, Record>> {
     let py = record.py();
     let options = [("dt", dt)].into_py_dict(py)?;
@@ -114,7 +114,7 @@ fn taken<'py>(record: &Bound<'py, PyAny>, dt: Option<f64>) -> PyResult<Bound<'py
     Ok(made.call((record,), Some(&options))?.cast_into()?)
 }
 
-/// A motion by its name.
+/// The kind of motion with this name.
 pub(crate) fn motion(name: &str) -> PyResult<curves::Quantity> {
     match name {
         "acceleration" => Ok(curves::Quantity::Acceleration),

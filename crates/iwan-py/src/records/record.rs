@@ -81,7 +81,7 @@ impl Record {
         })
     }
 
-    /// The record of the library, checked again.
+    /// The record of the library, made from this one and checked again.
     pub(crate) fn whole(&self, py: Python<'_>) -> PyResult<iwan_io::Record> {
         let rows = self.samples.bind(py).readonly().as_array().outer_iter().map(|row| row.to_vec()).collect();
         let record = iwan_io::Record::new(self.dt, rows, self.names.clone());
@@ -89,7 +89,7 @@ impl Record {
         Ok(record.map_err(|error| no_record(&error))?.with_quantity(self.quantity, self.unit.clone()))
     }
 
-    /// Index of a channel by name or number; the only one when neither is given.
+    /// Index of a channel given by name or number; of the only channel when neither is given.
     pub(crate) fn index(&self, channel: Option<&Bound<'_, PyAny>>) -> PyResult<usize> {
         let n = self.names.len();
         let names = || format!("'{}'", self.names.join("', '"));

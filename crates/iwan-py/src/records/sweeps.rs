@@ -1,4 +1,4 @@
-//! Shaker's tests: responses and backbones in, parameters with intervals out. `iwan.fit(sweeps=)` is its face.
+//! Shaker tests, for `iwan.fit(sweeps=)`: from responses and backbones to parameters with intervals.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -18,7 +18,7 @@ use crate::exchange::options::unknown;
 use crate::exchange::work;
 use crate::records::identified::{Identified, six};
 
-/// A path, or a name with columns by name.
+/// A path of a file, or a name with columns by their names.
 #[derive(FromPyObject)]
 pub(crate) enum Source<'py> {
     Columns(String, Vec<(String, Bound<'py, PyAny>)>),

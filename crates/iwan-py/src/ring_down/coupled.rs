@@ -14,10 +14,10 @@ use crate::values::joint_face::Joint;
 use crate::values::mode::Mode;
 use crate::values::pulse::Force;
 
-/// A joint as Python hands it over: name, law, participation by mode, compliance by joint, slip at the load.
+/// A joint as Python passes it: name, law, participation in each mode, compliance to each joint, slip at the load.
 pub(crate) type GivenJoint<'py> = (String, Bound<'py, Joint>, Vec<f64>, Vec<f64>, f64);
 
-/// The joints for the computation.
+/// The joints in the form that the simulation takes.
 pub(crate) fn shared(joints: Vec<GivenJoint<'_>>) -> Vec<SharedJoint> {
     let shared = |(name, joint, participation, compliance, slip_at_force): GivenJoint<'_>| {
         let law = joint.get().law.clone();

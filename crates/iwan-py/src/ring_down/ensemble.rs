@@ -1,4 +1,4 @@
-//! Many simulations in one call: parameter arrays in, arrays out. `iwan.ensemble` is its face.
+//! Many simulations in one call, for `iwan.ensemble`: from arrays of parameters to arrays of results.
 
 use iwan_core::Error;
 use iwan_sim::{Ensemble, History, JointLaw, Mode, Settings};
@@ -19,7 +19,7 @@ const HISTORIES: [(&str, History); 4] = [
     ("joint_force", History::JointForce),
 ];
 
-/// The parameters of a member, in the order of the columns.
+/// Names of a member's parameters, in the order of the columns.
 const PARAMETERS: [&str; 9] =
     ["frequency", "damping_ratio", "k_t", "f_s", "chi", "beta", "shape_at_force", "displacement", "velocity"];
 
@@ -49,7 +49,7 @@ impl Columns {
     }
 }
 
-/// Figures (peak and final displacement, slip ratio, energy error), then the kept histories, member after member.
+/// Figures of each member (peak and final displacement, slip ratio, energy error), then the kept histories, member after member.
 type Arrays = (Vec<Py<PyArray1<f64>>>, Vec<Py<PyArray1<f64>>>, usize);
 
 /// Simulates one member per entry of the columns `frequency`, `damping_ratio`, `k_t`, `f_s`, `chi`, `beta`,

@@ -1,4 +1,4 @@
-//! Ring-downs of modes: one, several, or very many.
+//! Ring-downs of modes: of one, of several, or of a large ensemble.
 
 pub(crate) mod response;
 pub(crate) mod simulate;

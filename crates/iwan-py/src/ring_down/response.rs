@@ -1,4 +1,4 @@
-//! What a simulation returns.
+//! The responses that simulations return.
 
 use std::sync::OnceLock;
 
@@ -57,7 +57,7 @@ impl Response {
         }
     }
 
-    /// With displacement, velocity and acceleration back in Rust: what superposition needs.
+    /// The response of the library, with displacement, velocity and acceleration copied back: superposition needs these.
     pub(crate) fn motion(&self, py: Python<'_>) -> iwan_sim::Response {
         let copy = |array: &Py<PyArray1<f64>>| array.bind(py).readonly().as_array().to_vec();
         let [displacement, velocity, acceleration] =
@@ -83,7 +83,7 @@ pub(crate) fn balance<'py>(py: Python<'py>, e: &EnergyBalance) -> PyResult<Bound
     Ok(dict)
 }
 
-/// Everything but the histories, as pickled: dt, strongest, seconds, the energy balance, the quality figures.
+/// Everything but the histories in a pickle: dt, largest strength, seconds, the energy balance, the quality figures.
 type Figures = (f64, f64, f64, [f64; 9], (Option<f64>, Option<f64>, f64, Option<f64>, Option<f64>, f64));
 
 /// Makes a pickled `Response` again.

@@ -13,8 +13,8 @@ use crate::ring_down::response::Response;
 use crate::values::mode::Mode;
 use crate::values::pulse::Force;
 
-/// Steps from which on a run gets a thread of its own, so that Ctrl-C is heard: a million take some 4 ms, a few times that with their
-/// error estimates. Shorter runs would spend more on the thread than on the steps.
+/// Number of steps above which a run gets a thread of its own, so that Ctrl-C can stop it: a million steps take some 4 ms, a few times that
+/// with their error estimates. Shorter runs would spend more time on the thread than on the steps.
 pub(crate) const LASTING: usize = 1_000_000;
 
 /// Simulates the response of a mode, or of each of several modes, to a force.
@@ -75,7 +75,7 @@ pub(crate) fn simulate<'py>(
     let force = Force::read(force, dt)?;
     let steps = settings.samples().map_err(core)?.saturating_mul(modes.len());
     let lasting = steps > LASTING || !matches!(settings.method, Method::Newmark { .. });
-    // Asking for the number of cores takes longer than a short run: one mode needs one thread.
+    // Finding the number of cores takes longer than a short run, and one mode needs one thread only.
     let threads = if single {
         threads.map_or(Ok(1), |threads| thread_count(Some(threads)))?
     } else {
@@ -103,7 +103,7 @@ pub(crate) fn simulate<'py>(
     responses?.into_bound_py_any(py)
 }
 
-/// Says where a mode left its curves.
+/// Warns where the amplitude of a mode leaves the range of its curves.
 fn warn_of_curves(py: Python<'_>, response: &iwan_sim::Response) -> PyResult<()> {
     let outside = response.quality.outside_curves;
     let below = outside.below_from.map(|t| {
@@ -118,7 +118,7 @@ fn warn_of_curves(py: Python<'_>, response: &iwan_sim::Response) -> PyResult<()>
     Ok(())
 }
 
-/// An error about the only mode needs no name.
+/// The error without the name of its mode, which is not needed where there is only one mode.
 fn without_name(error: iwan_sim::SimulationError) -> iwan_sim::SimulationError {
     match error {
         iwan_sim::SimulationError::Mode { source, .. } => *source,
@@ -126,7 +126,7 @@ fn without_name(error: iwan_sim::SimulationError) -> iwan_sim::SimulationError {
     }
 }
 
-/// One mode or several, and whether it was one.
+/// The modes given, and whether the object was a single mode.
 fn modes(object: &Bound<'_, PyAny>) -> PyResult<(Vec<iwan_sim::Mode>, bool)> {
     if let Ok(mode) = object.cast::<Mode>() {
         return Ok((vec![mode.get().mode.clone()], true));

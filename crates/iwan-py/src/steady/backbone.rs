@@ -33,7 +33,7 @@ pub(crate) fn _backbone<'py>(
     Ok(list)
 }
 
-/// A dict; `slips` are the names of the joints, in their order.
+/// A nonlinear mode as a dict; `slips` are the names of the joints, in their order.
 pub(crate) fn told<'py>(
     py: Python<'py>,
     curve: &NonlinearMode,

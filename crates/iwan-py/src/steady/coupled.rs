@@ -69,12 +69,12 @@ fn owned(modes: Vec<Bound<'_, Mode>>) -> Vec<iwan_sim::Mode> {
     modes.into_iter().map(|mode| mode.get().mode.clone()).collect()
 }
 
-/// The modal displacement of one mode.
+/// Coefficients, one per mode, by which the modal displacements give that of mode `mode`.
 fn unit(modes: &[iwan_sim::Mode], mode: usize) -> Vec<f64> {
     (0..modes.len()).map(|i| f64::from(u8::from(i == mode))).collect()
 }
 
-/// Shapes at a point of the modes, or the modal displacement of the mode of that name.
+/// Coefficients, one per mode, of an observed motion: the shapes at a point, or the modal displacement of the mode with the name `at`.
 fn observed(modes: &[iwan_sim::Mode], at: &str) -> PyResult<Vec<f64>> {
     match modes.iter().position(|mode| mode.name == at) {
         Some(mode) => Ok(unit(modes, mode)),

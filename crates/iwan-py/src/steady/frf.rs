@@ -13,10 +13,10 @@ use crate::exchange::options::{choose, thread_count};
 use crate::exchange::work;
 use crate::values::mode::Mode;
 
-/// What is held, as Python says it: its name and its amplitudes, the band, the highest harmonic, the number of points.
+/// A sweep as Python passes it: name of the quantity that is held, its amplitudes, the band, the highest harmonic, the number of points.
 pub(crate) type Given<'py> = (String, Bound<'py, PyAny>, (f64, f64), usize, usize);
 
-/// The sweep that was asked for.
+/// The sweep in the form that the library takes.
 pub(crate) fn sweep((control, levels, band, harmonics, points): Given<'_>) -> PyResult<Sweep> {
     let controls = [
         Control::Force,
@@ -37,7 +37,7 @@ pub(crate) fn by_level(sweep: &Sweep) -> Vec<Sweep> {
     sweep.levels.iter().map(|&level| Sweep { levels: vec![level], ..sweep.clone() }).collect()
 }
 
-/// The curves of modes that joints couple, one level a piece of work.
+/// The response curves of modes that joints couple; each level is a piece of work of its own.
 pub(crate) fn coupled_curves(
     system: &JointedModes,
     sweep: &Sweep,
@@ -80,7 +80,7 @@ pub(crate) fn _frf<'py>(
     Ok(list)
 }
 
-/// Shape at the point whose response is held or returned.
+/// The mode's shape at the point whose response is held or returned.
 pub(crate) fn shape(mode: &iwan_sim::Mode, at: Option<&str>) -> PyResult<f64> {
     let Some(at) = at else { return Ok(1.0) };
     let found = mode.outputs.iter().find(|point| point.name == at).map(|point| point.shape);
@@ -92,7 +92,7 @@ pub(crate) fn shape(mode: &iwan_sim::Mode, at: Option<&str>) -> PyResult<f64> {
     })
 }
 
-/// A list of dicts, one per curve.
+/// The curves as a list of dicts, one per curve.
 pub(crate) fn told<'py>(py: Python<'py>, curves: &[SteadyCurve]) -> PyResult<Bound<'py, PyList>> {
     let list = PyList::empty(py);
     for curve in curves {

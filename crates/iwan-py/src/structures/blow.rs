@@ -16,10 +16,10 @@ use crate::ring_down::response::balance;
 use crate::structures::structure::{Loaded, Structure};
 use crate::values::pulse::Force;
 
-/// What one run has done when it is at its end: thousandths, more than any bar shows.
+/// The count that progress reaches at the end of a run: thousandths are finer than any progress bar shows.
 const PARTS: f64 = 1000.0;
 
-/// What is to be computed.
+/// The transient to be computed.
 struct Request {
     force: Option<Force>,
     velocity: Vec<ModalVelocity>,
@@ -84,7 +84,7 @@ fn positive(name: &str, x: f64) -> PyResult<f64> {
     Err(value(format!("{name} = {x} is out of range: must be a finite number of seconds > 0")))
 }
 
-/// The model by its name and what goes with it.
+/// The model with this name, and with the basis or tolerance that belongs to it.
 fn model_of(name: &str, basis: Option<usize>, tolerance: Option<f64>) -> PyResult<Model> {
     match (name, basis, tolerance) {
         ("full", None, None) => Ok(Model::Full),
@@ -149,7 +149,7 @@ fn told(py: Python<'_>, run: Run) -> PyResult<Bound<'_, PyDict>> {
     Ok(dict)
 }
 
-/// Everything that the integration itself returned.
+/// Puts all results of the integration itself into a dict.
 fn histories(dict: &Bound<'_, PyDict>, response: StructureResponse) -> PyResult<()> {
     let py = dict.py();
     dict.set_item("energy", balance(py, &response.energy)?)?;

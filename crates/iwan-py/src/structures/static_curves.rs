@@ -10,7 +10,7 @@ use crate::exchange::errors::{fem, value};
 use crate::exchange::work::{self, Control};
 use crate::structures::structure::{Loaded, Structure};
 
-/// Curves of one mode with what fits them.
+/// Curves of one mode with the parameters fitted to them.
 struct Analysed {
     name: String,
     frequency_stuck: f64,
@@ -23,7 +23,7 @@ struct Analysed {
     fit: Result<StaticFit, String>,
 }
 
-/// Where the curves are wanted.
+/// The amplitudes at which the curves are wanted.
 enum Range {
     At(Vec<f64>),
     Points(usize),

@@ -13,7 +13,8 @@ use crate::exchange::work::{self, Control as Watch};
 use crate::steady::{backbone, frf};
 use crate::structures::structure::{Loaded, Structure};
 
-/// Amplitudes over that of first macro-slip without the user's word: from where joints hardly slip to where they do nothing else.
+/// Default range of amplitudes, relative to the amplitude of first macro-slip: from amplitudes at which joints hardly slip to those at
+/// which they slip entirely.
 const RANGE: [f64; 2] = [1e-3, 10.0];
 
 /// Why there is no result.
@@ -52,7 +53,7 @@ impl From<SimulationError> for Refused {
     }
 }
 
-/// What Python says about the model: the observed output, the viscous ratio of all modes, the number of modes.
+/// What Python passes about the model: the observed output, the viscous damping ratio of all modes, the number of modes.
 type Given = (Option<String>, f64, Option<usize>);
 
 fn prepared(

@@ -1,4 +1,4 @@
-//! Finite-element structures with discrete joints. `iwan.Structure` is their face.
+//! Finite-element structures with discrete joints, for `iwan.Structure`.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -24,13 +24,14 @@ pub(crate) struct Structure(pub(crate) Arc<Loaded>);
 /// A structure file with the modes that were computed so far.
 #[derive(Debug)]
 pub(crate) struct Loaded {
-    /// Where it came from.
+    /// The text from which the structure was read.
     source: InputText,
     built_in: bool,
-    /// The folder of the reduced model from which it was opened.
+    /// The folder of the reduced model from which the structure was opened, if any.
     reduced: Option<PathBuf>,
     pub(crate) file: StructureFile,
-    /// By how many were asked for: modes have the same bits whatever was computed before.
+    /// Modes by the number that was asked for. Each number has an entry of its own, so that the bits of modes do not depend on what was
+    /// computed before.
     modes: Mutex<BTreeMap<usize, Arc<NamedModes>>>,
 }
 
@@ -47,7 +48,7 @@ impl Loaded {
         Ok(Structure(Arc::new(Self { source, built_in: false, reduced, file, modes: Mutex::default() })))
     }
 
-    /// The text of the file.
+    /// The text of the structure file.
     pub(crate) fn source(&self) -> &InputText {
         &self.source
     }
@@ -177,7 +178,7 @@ impl Structure {
     }
 }
 
-/// Values of the stuck shapes where the force acts, and at each output.
+/// Values of the stuck mode shapes where the force acts, and at each output with its name.
 type AtEnds = (Vec<f64>, Vec<(String, Vec<f64>)>);
 
 impl Structure {

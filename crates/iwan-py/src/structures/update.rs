@@ -19,16 +19,17 @@ use crate::exchange::options::{thread_count, unknown};
 use crate::exchange::work;
 use crate::structures::structure::Structure;
 
-/// Parts in which progress is told, of the whole.
+/// The count that progress reaches at the end.
 const PARTS: f64 = 1000.0;
 
-/// Mode, source, whether it is kept out, whether its frequency is a secant; displacement, frequency, damping ratio.
+/// A measured curve as Python passes it: mode, source, whether it is kept out, whether its frequency is a secant one; displacement,
+/// frequency, damping ratio.
 type Given<'py> = (String, String, bool, bool, Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>);
 
-/// Source, whether it is kept out, sampling interval, force, motions by the names of modes and outputs.
+/// A blow as Python passes it: source, whether it is kept out, sampling interval, force, motions with the names of modes and outputs.
 type GivenBlow<'py> = (String, bool, f64, Bound<'py, PyAny>, Vec<(String, Bound<'py, PyAny>)>);
 
-/// A blow before it is placed on the structure.
+/// A blow whose points are not yet assigned to the structure.
 struct Read {
     source: String,
     held_out: bool,
@@ -134,7 +135,7 @@ fn blow((source, held_out, dt, force, motions): GivenBlow<'_>) -> PyResult<Read>
     Ok(Read { source, held_out, dt, force: Numbers::vector("force", &force)?, motions })
 }
 
-/// Blows with their points as outputs of the structure.
+/// Blows whose points are outputs of the structure.
 fn placed(
     file: &StructureFile,
     named: &NamedModes,
@@ -215,7 +216,7 @@ fn named_groups(
     wanted.into_iter().map(group).collect()
 }
 
-/// All of it; `updating.py` makes values of that.
+/// All results as JSON text, from which `updating.py` makes Python values.
 fn told(found: &Update) -> String {
     let told = json!({
         "groups": found.groups,

@@ -1,4 +1,4 @@
-//! Structures as files: `Structure.write_matrices` and `Structure.write_reduced`.
+//! Writes structures as files: `Structure.write_matrices` and `Structure.write_reduced`.
 
 use std::path::PathBuf;
 

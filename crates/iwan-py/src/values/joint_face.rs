@@ -1,4 +1,4 @@
-//! What all joint laws can do.
+//! Methods that all joint laws have.
 
 use iwan_core::Backbone;
 use iwan_machine::memory::ask;
@@ -11,10 +11,11 @@ use crate::exchange::options::representation_of;
 use crate::exchange::pickle::hash;
 use crate::exchange::work;
 
-/// Displacements from which on a calculation releases the lock: some hundred microseconds, many times what releasing costs.
+/// Number of displacements above which a calculation releases the interpreter's lock: it then takes some hundred microseconds, many times
+/// what releasing costs.
 const MANY: usize = 1 << 12;
 
-/// Displacements from which on a history gets a thread of its own, so that Ctrl-C is heard: a million last tens of milliseconds.
+/// Number of displacements above which a history gets a thread of its own, so that Ctrl-C can stop it: a million take tens of milliseconds.
 const LASTING: usize = 1 << 20;
 
 /// A joint law: the common face of `FourParameter`, `FiveParameter`, `Jenkins`, `Uniform` and `Tabulated`.
@@ -33,7 +34,7 @@ pub(crate) struct Joint {
 }
 
 impl Joint {
-    /// A property of each displacement.
+    /// A property of the law at each displacement.
     fn each<'py>(
         &self,
         u: &Bound<'py, PyAny>,
@@ -188,7 +189,7 @@ impl Joint {
         else {
             return Err(value("sliders must be a number"));
         };
-        // The table, and the two arrays made of it while they grow.
+        // About 100 bytes a slider: the table, and the two arrays made from it while they grow.
         let bytes = (bins as u64).saturating_mul(100);
         ask(format!("a table of {bins} sliders"), bytes, "take fewer sliders").map_err(|e| lacking(&e))?;
         let mut table = vec![iwan_core::Slider::default(); iwan_core::Sliders::table_len(bins)];

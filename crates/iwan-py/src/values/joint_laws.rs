@@ -163,7 +163,7 @@ impl FiveParameter {
         [("k_t", law.k_t()), ("f_s", law.f_s()), ("chi", law.chi()), ("beta", law.beta()), own]
     }
 
-    /// A property of cycles after motions up to `largest`, any by default.
+    /// A property of cycles at each displacement, after motions with amplitudes up to `largest`; none: after motions of any amplitude.
     fn in_decay<'py>(
         &self,
         u: &Bound<'py, PyAny>,

@@ -1,4 +1,5 @@
-//! Values that users make: joint laws, pulses, modes. Frozen, hashable, picklable, with a `repr` that reads back.
+//! Values that users make: joint laws, pulses, modes. They are immutable, hashable and picklable, and their `repr` is an expression for an
+//! equal value.
 
 pub(crate) mod joint_face;
 pub(crate) mod joint_laws;

@@ -232,7 +232,7 @@ impl Mode {
     }
 }
 
-/// Named points; the shapes must be finite.
+/// Observed points with names; their shapes must be finite.
 fn points(outputs: &Bound<'_, PyDict>) -> PyResult<Vec<Point>> {
     let point = |(name, shape): (Bound<'_, PyAny>, Bound<'_, PyAny>)| {
         let (name, shape): (String, f64) = (name.extract()?, shape.extract()?);

@@ -1,4 +1,4 @@
-//! Frequency and damping ratio against amplitude as a mode.
+//! A mode known by its curves: frequency and damping ratio against amplitude.
 
 use iwan_sim::Curves;
 use numpy::PyArray1;

@@ -1,4 +1,4 @@
-//! Parts of a mode's law beside its joint.
+//! Parts of a mode's law that act beside its joint.
 
 use iwan_core::Part as CorePart;
 use pyo3::prelude::*;
@@ -20,7 +20,7 @@ pub(crate) struct Part {
 }
 
 impl Part {
-    /// Name of the class, and the arguments that make it.
+    /// Name of the Python class, and the arguments from which it makes this part.
     fn call(&self) -> (&'static str, Vec<(&'static str, f64)>) {
         match &self.part {
             CorePart::PowerDamping(part) => ("PowerDamping", vec![("c", part.c()), ("n", part.n())]),
@@ -30,7 +30,7 @@ impl Part {
         }
     }
 
-    /// A property at each amplitude, at a frequency in Hz.
+    /// A property of the part at each amplitude, at a frequency in Hz.
     fn each<'py>(
         &self,
         a: &Bound<'py, PyAny>,

@@ -11,9 +11,9 @@ use crate::exchange::repr;
 /// A force history that owns its samples.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Force {
-    /// By a formula.
+    /// The force is given by a formula.
     Formula(iwan_core::Pulse<'static>),
-    /// Sample by sample.
+    /// The force is given sample by sample.
     Sampled {
         /// Time between samples, s.
         dt: f64,
@@ -23,7 +23,7 @@ pub(crate) enum Force {
 }
 
 impl Force {
-    /// As the libraries take it.
+    /// The force in the form that the libraries take.
     pub(crate) fn pulse(&self) -> iwan_core::Pulse<'_> {
         match self {
             Self::Formula(pulse) => *pulse,
@@ -31,7 +31,7 @@ impl Force {
         }
     }
 
-    /// None, a pulse, or an array of samples every `dt` seconds.
+    /// Reads a force: none, a pulse, or an array of samples every `dt` seconds.
     pub(crate) fn read(object: Option<&Bound<'_, PyAny>>, dt: f64) -> PyResult<Self> {
         let Some(object) = object else { return Ok(Self::Formula(iwan_core::Pulse::None)) };
         match object.cast::<Pulse>() {

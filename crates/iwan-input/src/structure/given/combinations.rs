@@ -1,4 +1,4 @@
-//! Rows of a matrix of relative displacements, or of any other combinations of the rows of `[matrices]`.
+//! Relative displacements, or any other linear combinations of the rows of `[matrices]`, from the rows of a further matrix.
 
 use std::path::Path;
 
@@ -8,12 +8,14 @@ use super::matrix_file::chosen;
 use crate::error::InputError;
 use crate::section::Section;
 
-/// Combinations of the rows of stiffness and mass: one for each row of a matrix with as many columns.
+/// Linear combinations of the rows of stiffness and mass: one for each row of a matrix that has as many columns as these have rows. Each is
+/// a list of rows (from 0) and coefficients.
 #[derive(Debug, Clone, PartialEq)]
 pub(in crate::structure) struct Combinations(Vec<Vec<(usize, f64)>>);
 
 impl Combinations {
-    /// The matrix that the key `key` of a table names, for matrices of `rows` rows; none: the structure has elements.
+    /// The matrix that the key `key` of a table names; the matrices of the structure have `rows` rows, none where the structure has
+    /// elements.
     pub(in crate::structure) fn read(
         section: &Section<'_>,
         folder: &Path,
@@ -41,12 +43,12 @@ impl Combinations {
         Ok(Self(by_rows(&matrix)))
     }
 
-    /// How many there are.
+    /// Number of combinations.
     pub(in crate::structure) fn len(&self) -> usize {
         self.0.len()
     }
 
-    /// Numbers of rows, counted from 1, as a key of a table lists them.
+    /// Numbers of combinations, counted from 1, that a key of a table lists.
     pub(in crate::structure) fn numbers(
         &self,
         section: &Section<'_>,
@@ -55,7 +57,7 @@ impl Combinations {
         section.numbers(key)?.into_iter().map(|number| self.checked(section, key, number)).collect()
     }
 
-    /// The row, counted from 1, that a key of a table names; the only one where it names none.
+    /// The combination whose number, counted from 1, a key of a table gives; the only one where the key is missing.
     pub(in crate::structure) fn one(
         &self,
         section: &Section<'_>,
@@ -76,7 +78,7 @@ impl Combinations {
         self.row(section, key, row)
     }
 
-    /// A row, counted from 1, that is there; one of zeros only is refused.
+    /// The combination with the number `row`, counted from 1; an error where there is none, or where all its coefficients are zero.
     pub(in crate::structure) fn row(
         &self,
         section: &Section<'_>,
@@ -100,7 +102,7 @@ impl Combinations {
     }
 }
 
-/// The entries of each row, by column, each place once; of a file that holds one triangle both.
+/// The entries of each row, by column, each place once; where the file holds one triangle, both triangles are given.
 pub(super) fn by_rows(matrix: &Matrix) -> Vec<Vec<(usize, f64)>> {
     let mut rows = vec![Vec::new(); matrix.rows];
     for &(i, j, value) in &matrix.entries {

@@ -31,13 +31,14 @@ pub(in crate::structure) const MATRICES_KEYS: &[&str] = &[
     "recovery_rows",
 ];
 
-/// Two entries that should be the same may differ by this part of the geometric mean of the two diagonal entries: single precision leaves
-/// 1e-7, and more is no rounding.
+/// Largest difference of two entries that should be equal by symmetry, as a part of the geometric mean of the two diagonal entries: single
+/// precision leaves 1e-7, and a larger difference is no rounding; the matrix is then refused.
 const SYMMETRIC: f64 = 1e-6;
-/// A stated total mass may differ by this part from that of the matrices: it is written with a few digits.
+/// Largest relative difference between the stated total mass and that of the matrices, since the user states it with a few digits only.
+/// With more, the file is refused.
 const MASS: f64 = 1e-3;
 
-/// The structure of given matrices, and what its files remarked.
+/// The structure of given matrices, and the remarks on its files.
 pub(in crate::structure) fn read(
     source: &InputText,
     top: &Section<'_>,
@@ -74,24 +75,24 @@ pub(in crate::structure) fn read(
     Ok((structure, notes))
 }
 
-/// The material of a structure whose elements carry none: it is asked for nothing.
+/// The material of a structure whose elements have none; it is never used.
 fn unused() -> Result<Material, InputError> {
     Material::new(1.0, 0.0, 1.0).map_err(|e| InputError::new(e.to_string(), "report this"))
 }
 
-/// Names that matrices of stiffness and of mass have in the files of several programs.
+/// Names of stiffness, mass and damping matrices in the files of several programs.
 const STIFFNESS: &[&str] = &["K", "KR", "STIFFNESS", "KAA", "KAAX", "KGG", "K2GG", "K2PP", "KXX"];
 const MASSES: &[&str] = &["M", "MR", "MASS", "MAA", "MAAX", "MGG", "M2GG", "M2PP", "MXX"];
 const DAMPINGS: &[&str] = &["C", "CR", "B", "DAMPING", "BAA", "BAAX", "BGG", "B2GG", "B2PP", "BXX"];
 
-/// Reads the files that the table names.
+/// Reads the files that the table `[matrices]` names.
 struct Reading<'r, 's> {
     section: &'r Section<'s>,
     folder: &'r Path,
 }
 
 impl Reading<'_, '_> {
-    /// The real square matrix that `key` names.
+    /// The real square matrix of the file that `key` names.
     fn matrix(&self, key: &str, usual: &[&str]) -> Result<(PathBuf, Matrix), InputError> {
         let (path, matrix) = chosen(self.section, self.folder, key, usual)?;
         if matrix.rows != matrix.columns || matrix.rows == 0 {
@@ -110,7 +111,7 @@ impl Reading<'_, '_> {
         Ok((path, matrix))
     }
 
-    /// The damping, where there is one, with its rows in the order of those of the stiffness.
+    /// The damping matrix, if there is one, with its rows in the order of the stiffness's.
     fn damping(
         &self,
         labels: &[Label],
@@ -139,7 +140,8 @@ impl Reading<'_, '_> {
         Ok(Some(damping))
     }
 
-    /// What the rows are: the key `rows`, else what the stiffness's file says, else one displacement along x of one node each.
+    /// The meaning of the rows: from the key `rows`, else from the stiffness's file; else each row is the displacement along x of a node of
+    /// its own.
     fn labels(&self, stiffness: &Matrix) -> Result<Vec<Label>, InputError> {
         let labels = match (self.section.optional_text("rows")?, &stiffness.labels) {
             (Some(file), _) => {
@@ -162,7 +164,7 @@ impl Reading<'_, '_> {
         Ok(labels)
     }
 
-    /// The mass or damping with its rows in the order of those of the stiffness. Rows that only the stiffness has carry none.
+    /// The mass or damping matrix with its rows in the order of the stiffness's. Rows that only the stiffness has get zeros.
     fn in_order_of(
         &self,
         labels: &[Label],
@@ -186,7 +188,7 @@ impl Reading<'_, '_> {
             }
             (mass.rows, mass.columns) = (labels.len(), labels.len());
         }
-        // A file of triplets ends with the last entry that is not zero.
+        // A file of triplets ends with the last entry that is not zero, so that last rows of zeros may be missing.
         if mass.rows < labels.len() {
             (mass.rows, mass.columns) = (labels.len(), labels.len());
         }
@@ -224,7 +226,7 @@ impl Reading<'_, '_> {
     }
 }
 
-/// Compares the total mass with the one that is stated.
+/// Compares the total mass of the matrices with the mass that the file states.
 fn check_mass(section: &Section<'_>, structure: &Structure) -> Result<(), InputError> {
     let Some(stated) = section.optional_number("total_mass")? else { return Ok(()) };
     let failed = |e: iwan_fem::Error| section.failure("stiffness", &e.to_string(), "correct the matrices");

@@ -1,4 +1,4 @@
-//! A matrix of a file, as keys of a table name it.
+//! A matrix of a file that keys of a table name.
 
 use iwan_machine::listed;
 use std::path::{Path, PathBuf};
@@ -8,16 +8,16 @@ use iwan_exchange::{ExchangeError, Format, Matrix};
 use crate::error::InputError;
 use crate::section::Section;
 
-/// Bytes that a row takes while it is read, with entries or without: its label, its places in maps of labels and nodes, its meaning and its
-/// node. A number of rows that is a slip, or of a damaged file, would fill any memory.
+/// Bytes that each row takes while it is read, with or without entries: its label, its places in maps of labels and nodes, its meaning and
+/// its node. They are asked for because a mistyped number of rows, or that of a damaged file, would fill any memory.
 const ROW: u64 = 150;
 
-/// A file that could not be read.
+/// The error of a file that could not be read.
 pub(super) fn failed(section: &Section<'_>, key: &str, error: &ExchangeError) -> InputError {
     section.failure(key, &error.to_string(), "paths are relative to the structure file").of(error.kind())
 }
 
-/// The matrix of real numbers that `key` names: the only one of its file, the one called by `KEY_name`, or one with a usual name.
+/// The real matrix that `key` names: the only matrix of its file, the matrix named by `KEY_name`, or a matrix with a usual name.
 pub(super) fn chosen(
     section: &Section<'_>,
     folder: &Path,

@@ -1,4 +1,4 @@
-//! `[matrices]`: structures whose stiffness and mass another program assembled, and what is named by their rows.
+//! `[matrices]`: structures whose stiffness and mass another program assembled, and what refers to their rows.
 
 mod matrix_file;
 mod row_map;

@@ -1,4 +1,4 @@
-//! The recovery matrix of a superelement: displacements of nodes that have no rows, from those that have.
+//! The recovery matrix of a superelement: it gives displacements of nodes that have no rows from the displacements of the rows.
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -12,24 +12,24 @@ use super::matrix_file::{chosen, failed};
 use crate::error::InputError;
 use crate::section::Section;
 
-/// Rows of the matrices and coefficients.
+/// Rows of the matrices (from 0) with coefficients.
 type Terms = Vec<(usize, f64)>;
 
-/// Displacements that follow the rows.
+/// Displacements that follow from those of the rows.
 #[derive(Debug, Default)]
 pub(super) struct Recovery {
-    /// Node (its number), axis, rows and coefficients.
+    /// For each displacement: number of the node, axis, and rows with coefficients.
     rows: Vec<(u64, usize, Terms)>,
     nodes: BTreeSet<u64>,
 }
 
 impl Recovery {
-    /// Numbers of the nodes that it moves.
+    /// Numbers of the nodes whose displacements are recovered.
     pub(super) fn nodes(&self) -> &BTreeSet<u64> {
         &self.nodes
     }
 
-    /// The same by the nodes of the mesh, which has all of them.
+    /// The displacements with nodes by their index in the mesh, which has all of these nodes.
     pub(super) fn placed(self, mesh: &Mesh) -> Vec<Recovered> {
         let index: std::collections::BTreeMap<u64, usize> =
             mesh.node_labels.iter().enumerate().map(|(index, label)| (*label, index)).collect();
@@ -43,8 +43,8 @@ impl Recovery {
 /// Names of recovery matrices in the files of several programs.
 const USUAL: &[&str] = &["OTM", "MUG1", "GOA", "GOQ", "R"];
 
-/// What the keys `recovery` and `recovery_rows` name; nothing without them. Rows that the matrices have themselves, rotations and generalised coordinates
-/// are left out: no output reads them.
+/// Reads what the keys `recovery` and `recovery_rows` name; nothing where these keys are missing. Left out are rows that the matrices have
+/// themselves, rotations and generalised coordinates, because no output reads them.
 pub(super) fn read(section: &Section<'_>, folder: &Path, labels: &[Label]) -> Result<Recovery, InputError> {
     if !section.has("recovery") {
         return Ok(Recovery::default());

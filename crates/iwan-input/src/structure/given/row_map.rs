@@ -1,4 +1,4 @@
-//! From the rows of a file of matrices to nodes: a mesh of bare nodes, and what each row is.
+//! From the rows of a matrix file to nodes: a mesh of nodes without elements, and the meaning of each row.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -10,9 +10,9 @@ use iwan_fem::mesh::{self, Mesh};
 use crate::error::InputError;
 use crate::section::Section;
 
-/// Nodes by their numbers, with their positions where these are known.
+/// Nodes by their numbers, with their positions where the file gives these.
 pub(super) struct Places {
-    /// The nodes, and the elements of a mesh file for pictures.
+    /// The nodes; also, for pictures, the elements of a mesh file.
     pub(super) mesh: Mesh,
     /// Whether positions are known.
     pub(super) placed: bool,
@@ -20,7 +20,8 @@ pub(super) struct Places {
 }
 
 impl Places {
-    /// From the key `coordinates`: a mesh file, or a text of `node, x, y, z`. Without it the nodes of the rows stand at the origin.
+    /// Reads the key `coordinates`: a mesh file, or a text of `node, x, y, z`. Without this key all nodes of the rows are placed at the
+    /// origin.
     pub(super) fn read(
         section: &Section<'_>,
         folder: &Path,
@@ -52,7 +53,7 @@ impl Places {
     }
 }
 
-/// The nodes of some rows, ascending, all at the origin.
+/// A mesh of the nodes of some rows, with ascending numbers, all at the origin.
 fn bare(labels: &[Label], recovered: &BTreeSet<u64>) -> Mesh {
     let nodes = labels.iter().filter(|label| label.component != Component::Scalar).map(|label| label.node);
     let mut node_labels: Vec<u64> = nodes.chain(recovered.iter().copied()).collect();
@@ -61,7 +62,7 @@ fn bare(labels: &[Label], recovered: &BTreeSet<u64>) -> Mesh {
     Mesh { positions: vec![[0.0; 3]; node_labels.len()], node_labels, ..Mesh::default() }
 }
 
-/// What each row is. Nodes of the mesh that have no row are left out of it, and the elements that need them.
+/// The meaning of each row. Nodes of the mesh that have no row are removed from it, with the elements that need them.
 pub(super) fn rows(
     section: &Section<'_>,
     places: &mut Places,
@@ -116,7 +117,7 @@ pub(super) fn rows(
     labels.iter().enumerate().map(meaning).collect()
 }
 
-/// Leaves the nodes that are not `wanted` (ascending) out of a mesh, with the elements that need them.
+/// Removes from a mesh the nodes that are not `wanted` (ascending numbers), with the elements that need them.
 fn keep(mesh: &mut Mesh, wanted: &[u64]) {
     let mut new = vec![None; mesh.positions.len()];
     let kept: Vec<usize> = (0..mesh.positions.len())

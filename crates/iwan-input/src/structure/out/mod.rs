@@ -1,4 +1,4 @@
-//! Structures out again: their matrices, and reduced models as folders that open.
+//! Writers of structures: their matrices, reduced models as folders, and updated structure files.
 
 mod written;
 mod reduced;

@@ -1,4 +1,5 @@
-//! A reduced model as a folder: the structure file, where its paths begin, and what was factored for.
+//! A reduced model as a folder: the structure file, the folder to which its paths are relative, and the modes for which matrices were
+//! factored.
 
 use std::io::{self, Seek, Write};
 use std::path::{Component, Path, PathBuf};
@@ -12,30 +13,30 @@ use crate::error::InputError;
 use crate::section::Section;
 use crate::text::{InputText, quoted};
 
-/// What stands in the folder: the table below, the structure file as it was, the arrays.
+/// Names of the files in the folder: the table, the unchanged structure file, and the arrays.
 const TABLE: &str = "reduced.toml";
 const TEXT: &str = "reduced-structure.toml";
 const ARRAYS: &str = "reduced.npz";
 /// Keys of the table.
 const KEYS: &[&str] = &["format", "name", "folder", "fingerprint", "named", "zero_modes"];
-/// The format that is written; others are refused.
+/// Version of the format that is written; folders of other versions are refused.
 const FORMAT: usize = 1;
-/// Arrays of the archive, each with its eigenvalues under `NAME_values` and its vectors under `NAME_vectors`.
+/// Sets of modes in the archive; the eigenvalues of each are in `NAME_values`, its vectors in `NAME_vectors`.
 const NAMES: [&str; 4] = ["stuck", "slipping", "basis", "attachments"];
 const WRITE_AGAIN: &str =
     "write the folder again with `iwan modes STRUCTURE.toml --write-reduced N --out FOLDER`";
 
-/// A reduced model that is to be written.
+/// A reduced model to be written.
 #[derive(Debug, Clone, Copy)]
 pub struct ReducedFolder<'a> {
-    /// The structure file it belongs to.
+    /// The structure file to which the model belongs.
     pub source: &'a InputText,
     /// Modes and basis.
     pub kept: &'a Kept,
 }
 
 impl ReducedFolder<'_> {
-    /// Names of its files; a folder that has the first is one.
+    /// Names of the folder's files; a folder that holds the first of them is one of a reduced model.
     pub const FILES: [&'static str; 3] = [TABLE, TEXT, ARRAYS];
 
     /// Whether a path is the folder of a reduced model.
@@ -48,7 +49,7 @@ impl ReducedFolder<'_> {
         path.is_dir() && path.join(TABLE).is_file()
     }
 
-    /// The table, as text; `folder` is where it will stand.
+    /// The text of the table; `folder` is the folder for which it is meant.
     #[must_use]
     pub fn table(&self, folder: &Path) -> String {
         let Kept { fingerprint, named, stuck, slipping, basis, attachments } = self.kept;
@@ -72,16 +73,16 @@ impl ReducedFolder<'_> {
         )
     }
 
-    /// The structure file as it is.
+    /// The unchanged text of the structure file.
     #[must_use]
     pub fn structure(&self) -> &str {
         &self.source.text
     }
 
-    /// Writes the arrays.
+    /// Writes the arrays of the modes.
     ///
     /// # Errors
-    /// What the sink reports.
+    /// Errors of the sink.
     pub fn arrays(&self, sink: impl Write + Seek) -> io::Result<()> {
         let Kept { stuck, slipping, basis, attachments, .. } = self.kept;
         let unknowns = stuck.vectors.len() / stuck.values.len().max(1);
@@ -106,12 +107,12 @@ impl ReducedFolder<'_> {
     }
 }
 
-/// The way from one folder to another, relative where both are known and share a beginning.
+/// The path from one folder to another, relative where both are known and have a common beginning.
 fn from_to(from: &Path, to: &Path) -> PathBuf {
     let absolute = |path: &Path| {
         let path =
             std::path::absolute(if path.as_os_str().is_empty() { Path::new(".") } else { path }).ok()?;
-        // A folder that is still to be made lies in one that is there, whose links are followed.
+        // A folder that does not exist yet lies in one that does; symbolic links of that one are followed.
         let there = path.ancestors().find(|above| above.exists())?;
         let rest = path.strip_prefix(there).ok()?;
         Some(there.canonicalize().ok()?.join(rest))
@@ -131,10 +132,11 @@ fn from_to(from: &Path, to: &Path) -> PathBuf {
 }
 
 impl StructureFile {
-    /// Opens the folder of a reduced model, as `iwan modes --write-reduced` writes it; also its structure file, for messages and copies.
+    /// Opens the folder of a reduced model that `iwan modes --write-reduced` wrote; returns also its structure file, for messages and
+    /// copies.
     ///
     /// # Errors
-    /// As [`read`](Self::read), and [`InputError`] for a folder that is none or was damaged.
+    /// As [`read`](Self::read); [`InputError`] for a folder that is no reduced model, or is damaged.
     pub fn open_reduced(folder: &Path) -> Result<(InputText, Self), InputError> {
         if !ReducedFolder::is_one(folder) {
             let message = format!("{}: no folder of a reduced model: it has no {TABLE}", folder.display());

@@ -1,4 +1,4 @@
-//! A structure file with other joints and another stiffness in it: all else stays as it was written.
+//! A structure file with other joint laws and factors on its stiffness; all else stays as it was written.
 
 use std::ops::Range;
 
@@ -7,24 +7,24 @@ use crate::section::Section;
 use crate::text::{InputText, quoted};
 use crate::written_law::WrittenLaw;
 
-/// What is to be changed in a structure file.
+/// Changes to be made in a structure file.
 #[derive(Debug, Clone, Default)]
 pub struct Changes {
-    /// Laws by the joint's name: all slips of the joint that have a law get this one.
+    /// Laws with the name of their joint: each slip of the joint that has a law gets the new one.
     pub laws: Vec<(String, WrittenLaw)>,
-    /// Factor on `young` of the material without `elements`.
+    /// Factor on `young` of the material that has no key `elements`.
     pub material: Option<f64>,
-    /// Factors on `young` by element set.
+    /// Factors on `young`, with the name of the material's element set.
     pub materials: Vec<(String, f64)>,
-    /// Factors on `stiffness` by the name of the lump.
+    /// Factors on `stiffness`, with the name of the lump.
     pub lumps: Vec<(String, f64)>,
 }
 
-/// The text of a structure file with these changes, to be put into any folder: the path of its mesh becomes absolute.
+/// The text of a structure file with these changes. It may be put into any folder: the path of its mesh becomes absolute.
 ///
 /// # Errors
-/// [`InputError`] where the text is no structure file, a law is a table of its own rather than `law = { ... }`, or the structure is one of
-/// matrices, whose paths are relative.
+/// [`InputError`] where the text is no structure file, where a law is a table of its own rather than `law = { ... }`, or where the
+/// structure consists of matrices, whose paths are relative.
 ///
 /// ```
 /// use iwan_input::{Changes, InputText, StructureFile, WrittenLaw, built_in_structure, updated_structure};
@@ -105,7 +105,7 @@ fn joints(
     Ok(())
 }
 
-/// A number to the last bit, with a point, as TOML wants it of one that is no integer.
+/// A number with all its bits, and with the decimal point that TOML requires of a number that is no integer.
 fn number(value: f64) -> String {
     format!("{value:?}")
 }

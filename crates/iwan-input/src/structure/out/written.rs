@@ -1,4 +1,4 @@
-//! Matrices of a structure as files for other programs.
+//! Writes the matrices of a structure as files for other programs.
 
 use std::fmt::Write;
 use std::io;
@@ -6,25 +6,25 @@ use std::io;
 use iwan_exchange::{Matrix, Stored, to_mat, to_matrix_market, to_npz};
 use iwan_fem::{Assembled, Limit, Symmetric, Unknown};
 
-/// A format that matrices are written in.
+/// A file format for matrices.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum MatrixFormat {
     /// Matrix Market, one text for each matrix.
     MatrixMarket,
     /// `scipy.sparse.save_npz`, one archive for each matrix.
     Npz,
-    /// MATLAB level 5, all in one file.
+    /// MATLAB level 5, all matrices in one file.
     Matlab,
 }
 
-/// Meaning of each matrix, by the name of its file and of its variable.
+/// For each matrix the name of its file, the name of its variable, and its meaning.
 const MEANINGS: [(&str, &str, &str); 4] = [
     ("stiffness", "K", "stiffness with all joints slipping: that of everything but the joints"),
     ("stuck_stiffness", "K0", "stiffness with all joints stuck: with K_T of each slip on its diagonal"),
     ("mass", "M", "mass"),
     ("displacements", "T", "x, y and z of every node (rows, in the order of nodes.csv) from the unknowns"),
 ];
-/// What the unknowns are, and where all nodes are.
+/// Names of the files with the meaning of the unknowns and with the positions of all nodes.
 const ROWS: &str = "rows.csv";
 const NODES: &str = "nodes.csv";
 /// The file of all matrices in MATLAB's format.
@@ -43,11 +43,12 @@ pub fn matrix_file_names(format: MatrixFormat) -> Vec<String> {
     names
 }
 
-/// Stiffness in both limits, mass and the displacements of all nodes, in the unknowns of the structure, with what each row is: as `[matrices]`
-/// of a structure file reads them. What is tied is eliminated; slips and the motions of rigid patches are unknowns of their own, component 0.
+/// Stiffness with all joints slipping and with all stuck, mass, and the displacements of all nodes, all in the unknowns of the structure,
+/// with the meaning of each row: in the form that `[matrices]` of a structure file reads. Tied displacements are eliminated; slips and the
+/// motions of rigid patches are unknowns of their own, with component 0.
 ///
 /// # Errors
-/// Where a matrix is larger than its format can hold.
+/// An error where a matrix is larger than its format can hold.
 ///
 /// ```
 /// use iwan_fem::{mesh::beam::Configuration, paper};
@@ -113,7 +114,7 @@ fn displacements(assembled: &Assembled) -> Matrix {
     }
 }
 
-/// A line `node, component` for each unknown; a comment before what is no motion of one node.
+/// A line `node, component` for each unknown; a comment line precedes an unknown that is no motion of a single node.
 fn rows(assembled: &Assembled) -> String {
     let structure = assembled.structure();
     let labels = &structure.mesh.node_labels;
