@@ -6,7 +6,7 @@ use crate::file_bytes::FileBytes;
 
 /// Largest relative difference of two channels' intervals, two units of the fifth and last digit that an ASCII header of a universal file
 /// has. Channels that differ by more are refused.
-const SAME_INTERVAL: f64 = 2e-5;
+pub(crate) const SAME_INTERVAL: f64 = 2e-5;
 /// Largest difference of two channels' starts, as a part of an interval: within it they are the same to the nearest sample. Channels that
 /// differ by more are refused.
 const SAME_START: f64 = 0.5;

@@ -9,7 +9,7 @@ mod assemble;
 mod alike;
 mod variables;
 
-pub(crate) use alike::unlike;
+pub(crate) use alike::{SAME_INTERVAL, unlike};
 pub(crate) use assemble::{Axis, Channel, Raw, all_channels, assemble};
 pub(crate) use sampling::last_digit;
 pub use units::quantity_of_unit;

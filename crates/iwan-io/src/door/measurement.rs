@@ -76,10 +76,6 @@ pub fn read_modal_test(path: &Path, options: &ReadOptions) -> Result<ModalTest, 
     Ok(ModalTest { measurements: vec![Measurement { dt, channels }], responses: Vec::new(), warnings })
 }
 
-/// Largest relative difference of the channels' sampling intervals, two units of the fifth and last digit that an ASCII header has.
-/// Channels that differ by more are refused.
-const SAME_INTERVAL: f64 = 2e-5;
-
 fn universal(source: &FileBytes) -> Result<ModalTest, ReadError> {
     let (functions, warnings) = uff::functions(source.file, source.bytes)?;
     let mut test = ModalTest { measurements: Vec::new(), responses: Vec::new(), warnings };
@@ -135,7 +131,7 @@ fn add(
     match all.last_mut() {
         Some(last) if known.insert(identity.clone()) => {
             let (dt, n, first) = (last.dt, last.channels[0].samples.len(), &last.channels[0]);
-            if (f.step / dt - 1.0).abs() > SAME_INTERVAL || channel.samples.len() != n {
+            if (f.step / dt - 1.0).abs() > assembly::SAME_INTERVAL || channel.samples.len() != n {
                 return Err(ReadError::Mismatch {
                     file: source.file.into(),
                     found: format!("{} samples at {:.6} Hz", channel.samples.len(), 1.0 / f.step),

@@ -35,7 +35,7 @@ pub struct NextMode {
     /// … and the standard deviation of this parameter after the measurement over that before.
     pub remaining: f64,
     /// Largest modal displacement that the measurement needs: the mode then moves at most as fast as the measured modes, and no joint slips more than
-    /// in them.
+    /// the one that slipped most in them.
     pub displacement: f64,
 }
 
@@ -64,7 +64,8 @@ pub(super) fn next_modes(
     open: &[usize],
 ) -> Vec<NextMode> {
     let Some(adjusted) = fit.model.adjusted(&fit.found.x) else { return Vec::new() };
-    let reach = largest_slips(fit);
+    let reach = largest_slip(fit);
+    let slips = fit.model.adjustable.slips().len();
     let points = || fit.model.curves.iter().flat_map(|curve| &curve.points);
     // A hammer gives all modes about the same velocity, so that a fast mode has a small displacement.
     let fastest = points().map(|p| p.displacement * p.frequency).fold(0.0_f64, f64::max);
@@ -80,9 +81,9 @@ pub(super) fn next_modes(
     let measured = |number: usize| fit.model.curves.iter().any(|curve| curve.mode == number);
     let of = |mode: &iwan_fem::NamedMode| {
         let stuck = adjusted.mode(mode.pair.stuck).ok()?;
-        let held = |(slip, reach): (usize, f64)| reach / stuck.shape()[slip].abs().max(f64::MIN_POSITIVE);
         let farthest = fastest / named.frequency_stuck(mode);
-        let largest = reach.iter().copied().enumerate().map(held).fold(farthest, f64::min);
+        let unit_slips = (0..slips).map(|slip| stuck.shape()[slip].abs());
+        let largest = unit_slips.map(|slip| reach / slip.max(f64::MIN_POSITIVE)).fold(farthest, f64::min);
         let below = |i: usize| 100.0_f64.powf(-(i as f64) / (AMPLITUDES as f64 - 1.0));
         let q: Vec<f64> = (0..AMPLITUDES).rev().map(|i| largest * below(i)).collect();
         let with = (mode.pair.stuck, None, Stiffness::FirstHarmonic);
@@ -139,22 +140,20 @@ pub(super) fn in_words(adequate: bool, open: &[usize], modes: &[NextMode]) -> St
     }
 }
 
-/// The slip up to which each joint may be taken as tested: the largest in the measured curves.
-fn largest_slips(fit: &Fit<'_>) -> Vec<f64> {
-    let count = fit.model.adjustable.slips().len();
-    let mut largest = vec![0.0_f64; count];
+/// The slip up to which joints may be taken as tested: the largest of any joint in the measured curves. A joint that hardly slipped so far may slip as much as
+/// the one that slipped most.
+fn largest_slip(fit: &Fit<'_>) -> f64 {
+    let mut largest = 0.0_f64;
     let Some(adjusted) = fit.model.adjusted(&fit.found.x) else { return largest };
     for curve in &fit.model.curves {
         let Some(last) = curve.points.last() else { continue };
         let mode = adjusted.mode(curve.mode);
         let points = mode.and_then(|mode| mode.curve(&adjusted, &[last.displacement], curve.stiffness));
         for point in points.into_iter().flatten() {
-            largest.iter_mut().zip(&point.slips).for_each(|(most, s)| *most = most.max(s.abs()));
+            largest = point.slips.iter().fold(largest, |most, s| most.max(s.abs()));
         }
     }
-    // A joint that hardly slipped so far may slip as much as the joint that slipped most.
-    let most = largest.iter().fold(0.0_f64, |m, s| m.max(*s));
-    largest.iter().map(|_| most).collect()
+    largest
 }
 
 /// Mean relative standard deviations of frequency and damping in the measured curves.

@@ -42,10 +42,11 @@ pub(super) fn scenario(
     }
 }
 
-/// A `[sweep]` over the measured band with the levels of the quantity that was held first; none where no level held anything.
+/// A `[sweep]` over the measured band with the levels of the quantity that most of them held; none where no level held anything.
 fn sweep(measurements: &[Measurement], root: Option<f64>) -> Option<SweepTable> {
     let held = || measurements.iter().flat_map(|m| &m.levels).filter_map(|level| level.held);
-    let control = held().next()?.0;
+    let count = |control: Control| held().filter(|h| h.0 == control).count();
+    let control = held().map(|h| h.0).max_by_key(|control| count(*control))?;
     let scale = match (root, control) {
         (None, _) => 1.0,
         (Some(root), Control::Force) => root,
