@@ -39,10 +39,17 @@ impl Mesh {
     /// Computing time grows with the number of nodes times the number of faces; a test against a box around each face avoids most
     /// projections.
     pub(crate) fn tie(&self, sides: Sides) -> Tied {
-        let boxes: Vec<Bounds> = sides.faces.iter().map(|face| Bounds::of(self, *face)).collect();
+        let nodes: Vec<Vec<usize>> = sides.faces.iter().map(|face| face.nodes(self)).collect();
+        let boxes: Vec<Bounds> = nodes.iter().map(|nodes| Bounds::around(self, nodes)).collect();
         let mean = boxes.iter().map(Bounds::diagonal).sum::<f64>() / boxes.len().max(1) as f64;
+        let mid_edge = nodes.iter().map(|nodes| nodes.len() > 4);
+        let boxes: Vec<Bounds> = boxes
+            .into_iter()
+            .zip(mid_edge)
+            .map(|(b, mid_edge)| if mid_edge { b.bulging() } else { b })
+            .collect();
         let tolerance = sides.tolerance.unwrap_or(TOLERANCE * mean);
-        let mut leading: Vec<usize> = sides.faces.iter().flat_map(|face| face.nodes(self)).collect();
+        let mut leading: Vec<usize> = nodes.into_iter().flatten().collect();
         leading.sort_unstable();
         leading.dedup();
         let mut tied = Tied::default();
@@ -83,24 +90,25 @@ struct Bounds {
 }
 
 impl Bounds {
-    /// Box around the nodes of a face; for faces with mid-edge nodes, a quarter of its size is added on each side, as a curved face bulges
-    /// out of this box by less.
-    fn of(mesh: &Mesh, face: Face) -> Self {
+    /// Box around the nodes of a face.
+    fn around(mesh: &Mesh, nodes: &[usize]) -> Self {
         let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
-        let nodes = face.nodes(mesh);
-        for node in &nodes {
+        for node in nodes {
             for axis in 0..3 {
                 low[axis] = low[axis].min(mesh.positions[*node][axis]);
                 high[axis] = high[axis].max(mesh.positions[*node][axis]);
             }
         }
-        if nodes.len() > 4 {
-            for axis in 0..3 {
-                let bulge = 0.25 * (high[axis] - low[axis]);
-                (low[axis], high[axis]) = (low[axis] - bulge, high[axis] + bulge);
-            }
-        }
         Self { low, high }
+    }
+
+    /// The box with a quarter of its size added on each side: a curved face with mid-edge nodes bulges out of the box around its nodes by less.
+    fn bulging(mut self) -> Self {
+        for axis in 0..3 {
+            let bulge = 0.25 * (self.high[axis] - self.low[axis]);
+            (self.low[axis], self.high[axis]) = (self.low[axis] - bulge, self.high[axis] + bulge);
+        }
+        self
     }
 
     fn diagonal(&self) -> f64 {
