@@ -1,11 +1,11 @@
 //! The result of an identification, in numbers and in words.
 
-use super::extrapolation::Extrapolation;
 use super::laws::untold;
 use crate::curve_fit::{Fit, Grade, Start, Verdict};
 use crate::curves::Curves;
 use crate::error::Error;
 use crate::laws::Comparison;
+use crate::laws::Extrapolation;
 use crate::likelihood::Likelihood;
 use crate::parameters::{Parameter, Parameters};
 use crate::profile::{Profile, Profiles};

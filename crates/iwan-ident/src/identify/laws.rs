@@ -1,11 +1,10 @@
 //! Laws compared on the records of a mode, beside or without the fit of the Iwan joint.
 
-use super::extrapolation::Extrapolation;
 use super::prepared::Prepared;
 use super::settings::{ModeRecord, Settings};
 use crate::curve_fit::{DISSIPATION, Grade, Verdict};
 use crate::error::Error;
-use crate::laws::{Comparison, Estimate, FittedLaw, Joint, LawMode, Source, compare};
+use crate::laws::{Comparison, Estimate, Extrapolation, FittedLaw, Joint, LawMode, Source, compare};
 use crate::parameters::{Parameter, Parameters};
 use crate::profile::Profiles;
 

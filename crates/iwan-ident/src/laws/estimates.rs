@@ -181,11 +181,11 @@ fn about(problem: &Problem<'_>, fitted: &At, may_open: bool) -> Vec<Estimate> {
         let least = HANGS * deviation(slope);
         limits.iter().any(|j| slope[*j].abs() * problem.coordinates[*j].width > least)
     };
-    // A spring whose exponent stands at an end of its range carries the frequency at rest far from all frequencies that were seen.
+    // A spring whose exponent stands at an end of its range carries the frequency at rest, to which the damping ratio is relative, far from all frequencies that were seen.
     let carried = own.iter().zip(&slopes).any(|(v, slope)| v.name == "spring_exponent" && hangs(slope));
     let one = |(v, slope): (&Named, &Vec<f64>)| {
         let sd = deviation(slope);
-        let untold = hangs(slope) || carried && v.name == "frequency";
+        let untold = hangs(slope) || carried && ["frequency", "damping_ratio"].contains(&v.name);
         let known =
             !untold && sd < TOLD * variance(slope, &prior) && (!v.positive || HALF_WIDTH * sd < WIDEST);
         let told = known || !may_open;

@@ -12,12 +12,14 @@ mod candidates;
 mod discrepancy;
 mod fit;
 mod estimates;
+mod extrapolation;
 mod held_out;
 mod comparison;
 
 pub use candidates::{CANDIDATES, Candidate};
 pub use comparison::{Comparison, FittedLaw, compare};
 pub use estimates::Estimate;
+pub(crate) use extrapolation::Extrapolation;
 pub use held_out::HeldOut;
 pub use mode::{Joint, LawMode, Rate};
 pub use slow::{Backbone, Scatter, Source};

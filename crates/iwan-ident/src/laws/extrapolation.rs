@@ -15,16 +15,17 @@ const LITTLE: f64 = 1e-3;
 
 /// The frequency at rest, and the lowest and highest frequency seen, all in Hz.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Extrapolation {
+pub(crate) struct Extrapolation {
     at_rest: f64,
     low: f64,
     high: f64,
 }
 
 impl Extrapolation {
-    pub(super) fn of(curves: &[Curves], at_rest: f64) -> Self {
-        let all = || curves.iter().flat_map(|c| c.frequency.iter().copied());
-        Self { at_rest, low: all().fold(f64::INFINITY, f64::min), high: all().fold(0.0, f64::max) }
+    pub(crate) fn of<'a>(curves: impl IntoIterator<Item = &'a Curves>, at_rest: f64) -> Self {
+        let all = curves.into_iter().flat_map(|c| c.frequency.iter().copied());
+        let (low, high) = all.fold((f64::INFINITY, 0.0_f64), |(low, high), f| (low.min(f), high.max(f)));
+        Self { at_rest, low, high }
     }
 
     /// Whether the frequency at rest lies above those seen by more than `times` their range.
@@ -34,21 +35,28 @@ impl Extrapolation {
 
     /// The parameters that the fit does not tell. A mode that is in macro-slip throughout has its frequency at rest and χ by the form of the law
     /// alone, and with them the viscous part of its damping: friction of χ near -1 damps like a viscous damper.
-    pub(super) fn untold(self) -> &'static [Parameter] {
-        if self.high > 0.0 && self.at_rest > self.limit() {
-            &[Parameter::Frequency, Parameter::DampingRatio, Parameter::Chi]
-        } else {
-            &[]
-        }
+    pub(crate) fn untold(self) -> &'static [Parameter] {
+        if self.is_far() { &[Parameter::Frequency, Parameter::DampingRatio, Parameter::Chi] } else { &[] }
+    }
+
+    /// Whether the frequency at rest lies too far above or below those seen for an interval. A spring whose exponent is next to 1 bends the frequency by the logarithm of
+    /// the amplitude, and tells nothing of its value at rest.
+    pub(crate) fn is_far(self) -> bool {
+        self.high > 0.0 && (self.at_rest > self.limit() || self.at_rest < self.low - self.reach())
     }
 
     /// Frequency (Hz) above which no interval has an upper end: as far above those seen as where no interval is left.
-    pub(super) fn limit(self) -> f64 {
-        self.high + (FAR * (self.high - self.low)).max(LITTLE * self.high)
+    pub(crate) fn limit(self) -> f64 {
+        self.high + self.reach()
+    }
+
+    /// Distance (Hz) from the frequencies seen up to which the frequency at rest has an interval.
+    fn reach(self) -> f64 {
+        (FAR * (self.high - self.low)).max(LITTLE * self.high)
     }
 
     /// The extrapolation in words; none where the frequency at rest is not extrapolated.
-    pub(super) fn in_words(self) -> Option<String> {
+    pub(crate) fn in_words(self) -> Option<String> {
         let untold = match self.untold() {
             [] => "",
             _ => ", and that is too far from it for an interval of frequency, viscous damping or chi",
@@ -92,7 +100,10 @@ mod tests {
         assert_eq!(Extrapolation::of(&seen, 63.9).in_words(), None);
         // A linear mode has no shift of the frequency, and its frequency is told.
         assert_eq!(Extrapolation::of(&[of([120.0, 120.0])], 120.01).untold(), []);
-        assert_eq!(Extrapolation::of(&[], 120.0).in_words(), None);
+        assert_eq!(Extrapolation::of([], 120.0).in_words(), None);
+        // A spring that hardens: 5 Hz at rest for a mode that was seen at 38 Hz.
+        assert!(Extrapolation::of(&[of([37.9, 38.4])], 5.4).is_far());
+        assert!(!Extrapolation::of(&[of([37.9, 38.4])], 37.0).is_far());
         assert!((far.limit() - (63.88 + 5.0 * 0.07)).abs() < 1e-9);
     }
 }
