@@ -24,6 +24,9 @@ const BEGINNING_WIDTH: f64 = 10.0;
 const NOISE_FLOOR: f64 = 1e-6;
 /// Least decay rate of a first guess, over the mean: the logarithm of a smaller rate has no meaning.
 const LEAST_RATE: f64 = 0.05;
+/// Standard deviation of ln D from which on an envelope's damping is no guess. Envelopes bend where they end in noise; priors are relative to the guess, and one of a twentieth made the
+/// lowest point of smooth curves certain to 1 % and wrong by half.
+const TOLD: f64 = 0.3;
 /// Times that windows are left out where the mode sinks into noise; each time the noise is estimated anew.
 const CUTS: usize = 3;
 /// Step of the differences, in units of the unknowns: a tenth of a per cent of the mean decay rate for the curves.
@@ -35,6 +38,9 @@ pub(crate) struct Measured {
     pub(crate) information: Information,
     /// Standard deviation of a whitened value.
     pub(crate) noise: f64,
+    /// The same by the later half of the windows alone. Where smooth curves do not follow the loud cycles, what they miss there is no noise: a clean record was cut after a sixteenth
+    /// of its length.
+    at_end: f64,
     /// Root mean square of the whitened values.
     pub(crate) level: f64,
     /// ln of the smallest and of the largest displacement amplitude seen.
@@ -70,12 +76,14 @@ struct Step {
     effective: f64,
 }
 
-/// First guesses of decay rate and frequency on the grid, from the envelopes' curves.
+/// First guesses of decay rate and frequency on the grid, from the envelopes' curves where these tell the damping; beyond, the nearest that they tell is held.
 pub(crate) fn guess(grid: &Grid, curves: &[&Curves]) -> Rates {
+    let told = curves.iter().flat_map(|c| &c.log_dissipation_sd).any(|sd| *sd < TOLD);
     let mut points: Vec<(f64, f64, f64)> = curves
         .iter()
         .flat_map(|c| {
-            (0..c.t.len()).map(|i| {
+            let counts = |i: &usize| !told || c.log_dissipation_sd[*i] < TOLD;
+            (0..c.t.len()).filter(counts).map(|i| {
                 let omega = std::f64::consts::TAU * c.frequency[i];
                 (c.displacement[i].ln(), c.damping_ratio[i] * omega, omega)
             })
@@ -184,7 +192,7 @@ pub(crate) fn measure(grid: &Grid, source: &Source<'_>) -> Result<Measured, Erro
     let mut windowed = Windowed::new(source)?;
     for _ in 0..CUTS {
         let found = in_windows(grid, source, &windowed)?;
-        if !windowed.cut_at_noise(found.noise) {
+        if !windowed.cut_at_noise(found.at_end) {
             return Ok(found);
         }
     }
@@ -244,7 +252,9 @@ fn settle(frame: &Frame<'_>, start: DVector<f64>) -> Result<Measured, Error> {
         return Err(lost());
     }
     let at = frame.linearised(&x, &residuals);
-    let noise = noise * inflation(&residuals);
+    let (later, inflation) = (residuals.len() / 2, inflation(&residuals));
+    let at_end = residuals.rows_range(later..).norm_squared() / (residuals.len() - later) as f64;
+    let noise = noise * inflation;
     let n = frame.count();
     let (matrix, gradient) =
         without_last(&(at.matrix / noise), &(at.gradient / noise), 2).ok_or_else(lost)?;
@@ -258,6 +268,7 @@ fn settle(frame: &Frame<'_>, start: DVector<f64>) -> Result<Measured, Error> {
     Ok(Measured {
         information: Information::new(matrix, &gradient, &x.rows(0, 2 * n).into_owned()),
         noise: noise.sqrt(),
+        at_end: noise.min(at_end.max(floor) * inflation).sqrt(),
         level,
         span,
         released: beginning.log.exp(),

@@ -14,6 +14,8 @@ use super::grid::Grid;
 /// everything by which laws are told apart. With a third of this length the pendulum's records no longer tell dry friction from a hysteresis, and
 /// further hits of the double beam stray from their bands.
 const LENGTH: f64 = 1.0;
+/// Least decay rate that a prior's width is relative to, over the mean of the curves: a rate that was found small may be small by chance. A judgement.
+const LEAST_WIDTH: f64 = 0.3;
 /// Part of a variance that is added on the diagonal, so that the matrix stays positive definite in rounding.
 const JITTER: f64 = 1e-8;
 /// Sizes of the process of ln λ, and of the frequency in parts of its shift, from which records choose the likeliest: from next to a straight line in
@@ -53,6 +55,8 @@ impl Covariances {
         let n = grid.count();
         let middle = grid.middle().ln();
         let width = OMEGA_WIDTH * near.omega.iter().sum::<f64>() / n as f64;
+        let least = LEAST_WIDTH * near.decay.iter().sum::<f64>() / n as f64;
+        let wide = |i: usize| near.decay[i].max(least);
         let zeros = || DMatrix::zeros(2 * n, 2 * n);
         let (mut line, mut decay, mut omega) = (zeros(), zeros(), zeros());
         for i in 0..n {
@@ -61,7 +65,7 @@ impl Covariances {
                 let straight = 1.0 + (u - middle) * (v - middle);
                 let jitter = if i == j { JITTER } else { 0.0 };
                 let rough = (-(u - v).abs() / LENGTH).exp() + jitter;
-                let product = near.decay[i] * near.decay[j];
+                let product = wide(i) * wide(j);
                 line[(i, j)] = product * DECAY_WIDTH.powi(2) * straight;
                 line[(n + i, n + j)] = width * width * straight;
                 decay[(i, j)] = product * rough;

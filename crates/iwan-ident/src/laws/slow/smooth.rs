@@ -129,6 +129,26 @@ impl Backbone {
             out.damping_ratio_low.push((decay - d) / omega);
             out.damping_ratio_high.push((decay + d) / omega);
         }
+        out.without_untold_ends();
         out
+    }
+
+    /// Leaves out amplitudes at either end whose damping may be zero, if it is told at others: there a decay has sunk into noise.
+    fn without_untold_ends(&mut self) {
+        let told = |low: &f64| *low > 0.0;
+        let (first, last) =
+            (self.damping_ratio_low.iter().position(told), self.damping_ratio_low.iter().rposition(told));
+        let (Some(first), Some(last)) = (first, last) else { return };
+        let Self { amplitude, frequency, damping_ratio, .. } = self;
+        let bands = [
+            &mut self.frequency_low,
+            &mut self.frequency_high,
+            &mut self.damping_ratio_low,
+            &mut self.damping_ratio_high,
+        ];
+        for values in [amplitude, frequency, damping_ratio].into_iter().chain(bands) {
+            values.truncate(last + 1);
+            values.drain(..first);
+        }
     }
 }
