@@ -20,6 +20,8 @@ const LONGER: usize = 3;
 const HALF: f64 = 0.5;
 /// Highs that count reach this part of the largest amplitude: those of noise behind a decay are lower.
 const RISEN: f64 = 0.3;
+/// They reach this part of the high before: the beats of two modes that decay fall further.
+const STILL: f64 = 0.9;
 /// A rise is sudden if it takes the middle half of its way within so many cycles: a step is spread over three by the median, and a blow lasts a cycle or two.
 const SUDDEN: usize = 5;
 
@@ -69,6 +71,10 @@ pub(in crate::signal) fn slow_rises(x: &[f64], cycle: usize) -> usize {
         let lower = (low..upper).rev().find(|i| smooth[*i] <= level(0.25)).unwrap_or(low);
         upper - lower > SUDDEN
     };
+    // The high before the last low: beats of a decay are lower each time.
+    let mut before = 0.0;
+    let counts =
+        |low: usize, high: usize, before: f64| smooth[high] > least.max(STILL * before) && is_slow(low, high);
     let (mut rises, mut low, mut high) = (0, 0, 0);
     // Going up from the last low to a new high, or down from that to a new low.
     let mut up = true;
@@ -78,13 +84,13 @@ pub(in crate::signal) fn slow_rises(x: &[f64], cycle: usize) -> usize {
         } else if !up && *now < smooth[low] {
             low = i;
         } else if up && HALF * smooth[high] > *now {
-            rises += usize::from(smooth[high] > least && is_slow(low, high));
-            (up, low) = (false, i);
+            rises += usize::from(counts(low, high, before));
+            (up, low, before) = (false, i, smooth[high]);
         } else if !up && HALF * now > smooth[low] {
             (up, high) = (true, i);
         }
     }
-    rises + usize::from(up && high > low && smooth[high] > least && is_slow(low, high))
+    rises + usize::from(up && high > low && counts(low, high, before))
 }
 
 #[cfg(test)]
@@ -119,6 +125,8 @@ mod tests {
         assert_eq!(slow_rises(&wave(|n| (-1e-3 * n).exp()), CYCLE), 0);
         let hits = wave(|n| if n < 500.0 { 1e-3 } else { (-2e-3 * ((n - 500.0) % 2500.0)).exp() });
         assert_eq!(slow_rises(&hits, CYCLE), 0);
+        let beats = wave(|n| (-2e-4 * n).exp() * (std::f64::consts::TAU * n / 4000.0).sin());
+        assert_eq!(slow_rises(&beats, CYCLE), 1, "beats of a decay");
         assert_eq!(slow_rises(&[], CYCLE), 0);
     }
 }
