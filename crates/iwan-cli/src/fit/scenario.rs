@@ -70,7 +70,7 @@ fn by_law(i: &Identified, law: &str, record: usize) -> Result<ScenarioMode, Fail
     if law == BY_CURVES {
         if !found.backbone.is_curve() {
             return Err(missing(
-                "the record tells frequency and damping at a single amplitude, which is no curve",
+                "the record tells frequency and damping at a single amplitude, or a frequency that jumps from one to the next, which is no curve of a mode",
             ));
         }
         let mode = mode_of_curves(&i.name, &found.backbone, displacement).map_err(|e| failed(&e))?;

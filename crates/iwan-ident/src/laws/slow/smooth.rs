@@ -1,5 +1,6 @@
 //! Smooth curves of frequency and damping against amplitude, with bands: a model of every record.
 
+use iwan_core::{CurvePoint, ModeCurves};
 use nalgebra::{DMatrix, DVector};
 
 use super::between::Scatter;
@@ -83,10 +84,13 @@ pub struct Backbone {
 pub(crate) const HALF_WIDTH: f64 = 1.959_964;
 
 impl Backbone {
-    /// Whether there is more than one amplitude: records that are trusted for an instant only leave a single one.
+    /// Whether a mode can have these curves ([`ModeCurves`]): there is more than one amplitude, which records that are trusted for an instant only do not leave, and the
+    /// frequency jumps nowhere, as it does where samples were written twice.
     #[must_use]
-    pub const fn is_curve(&self) -> bool {
-        self.amplitude.len() > 1
+    pub fn is_curve(&self) -> bool {
+        let n = self.amplitude.len();
+        let points = vec![CurvePoint::default(); n];
+        ModeCurves::new(&self.amplitude, &self.frequency, &vec![0.0; n], points).is_ok()
     }
 
     /// What several hits say about the specimen's repeatability; none for one hit.
@@ -150,5 +154,22 @@ impl Backbone {
             values.truncate(last + 1);
             values.drain(..first);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A record in which 64 samples stand twice ended a fit: its smooth curves were no mode's.
+    #[test]
+    fn curves_that_jump_are_no_curves_of_a_mode() {
+        let of = |frequency: &[f64]| Backbone {
+            amplitude: (0..frequency.len()).map(|i| 1.1_f64.powi(i as i32)).collect(),
+            frequency: frequency.to_vec(),
+            ..Backbone::default()
+        };
+        assert!(of(&[50.0, 49.9, 49.7]).is_curve());
+        assert!(!of(&[50.0, 75.0, 49.7]).is_curve() && !of(&[50.0]).is_curve() && !of(&[]).is_curve());
     }
 }
