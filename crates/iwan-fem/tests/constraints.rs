@@ -4,8 +4,10 @@
 use std::path::Path;
 
 use iwan_fem::mesh::block::{block, uniform};
-use iwan_fem::mesh::{Constraint, Freedom, GLOBAL, MeshFile, PointMass, Rule, Weighted, read_bytes};
+use iwan_fem::mesh::{Constraint, Freedom, GLOBAL, MeshFile, PointMass, Rule, Shape, Weighted, read_bytes};
 use iwan_fem::{Assembled, Formulation, Limit, Material, Structure};
+
+use crate::solids::with_middles;
 
 /// Relative tolerance of frequencies: CalculiX prints seven digits.
 const DIGITS: f64 = 1e-6;
@@ -210,6 +212,23 @@ fn constraints_that_cannot_be_obeyed_are_refused_by_name() {
         error.contains("CONM2 5: it has inertia or an offset, but its node 1 has no rotations"),
         "{error}"
     );
+}
+
+/// The tolerance without a given one is a twentieth of the faces' diagonal, √2/20 = 0.071 here, for faces with mid-edge nodes too: it was 0.106.
+#[test]
+fn a_tie_leaves_nodes_beyond_a_twentieth_of_the_faces_free() {
+    let mut mesh = block(&[uniform(0.0, 2.0, 2), uniform(0.0, 1.0, 1), uniform(0.0, 1.0, 1)]);
+    with_middles(&mut mesh, Shape::Hex20);
+    mesh.node_sets
+        .insert("lead".into(), (0..mesh.positions.len()).filter(|n| mesh.positions[*n][2] == 1.0).collect());
+    let first = mesh.positions.len();
+    let gaps = [0.05, 0.068, 0.074, 0.1];
+    mesh.positions.extend(gaps.map(|gap| [0.5, 0.5, 1.0 + gap]));
+    mesh.node_labels.extend([1001, 1002, 1003, 1004]);
+    mesh.node_sets.insert("follow".into(), (first..first + gaps.len()).collect());
+    let mut structure = Structure::new(mesh, Material::new(STEEL[0], STEEL[1], STEEL[2]).unwrap());
+    let (moved, free) = structure.project("glue", "follow", "lead", None).unwrap();
+    assert!((moved - 0.068).abs() < 1e-12 && free == 2, "{moved} {free}");
 }
 
 /// Two blocks whose meshes do not match: a linear field passes through the tie exactly, and the tie adds no stiffness elsewhere.

@@ -233,7 +233,7 @@ fn slopes(t: &[f64], y: &[f64]) -> Vec<f64> {
 }
 
 /// Part of the largest amplitude of displacement by which the curves go down from it, all together.
-pub(crate) fn lost<'a>(curves: impl IntoIterator<Item = &'a Curves>) -> f64 {
+pub(crate) fn amplitude_drop<'a>(curves: impl IntoIterator<Item = &'a Curves>) -> f64 {
     let seen = curves.into_iter().flat_map(|c| &c.displacement);
     let (least, most) = seen.fold((f64::INFINITY, 0.0_f64), |(a, b), x| (a.min(*x), b.max(*x)));
     1.0 - least / most

@@ -7,9 +7,11 @@ use std::f64::consts::TAU;
 use crate::law_records::{LAWS, noisy, normal, ring_down};
 use iwan_core::FourParameter;
 use iwan_ident::Grade;
-use iwan_ident::curves::Quantity;
+use iwan_ident::curves::{Curves, ForceAxis, Quantity};
 use iwan_ident::identify::{ModeRecord, Settings, compare_laws, identify};
-use iwan_ident::laws::{CANDIDATES, Comparison, Joint, LawMode};
+use iwan_ident::laws::{CANDIDATES, Comparison, Joint, LawMode, Source, compare};
+use iwan_ident::refine::RingDown;
+use iwan_ident::signal::{Method, Options, envelope};
 
 /// Difference of the criterion up to which the test allows another law than the true one to be named in noise: below 6 the evidence is not
 /// "strong" (Kass and Raftery 1995).
@@ -99,6 +101,24 @@ fn a_frequency_that_drifts_with_time_is_no_joint() {
     assert!(found.profiles.parameters.iter().all(|p| p.low.is_none() && p.high.is_none()));
 }
 
+/// Parameters have intervals whatever the unit of the record: below 1e-9 they once had none.
+#[test]
+fn intervals_do_not_depend_on_the_unit() {
+    const UNIT: f64 = 1e-9;
+    let clean = ring_down("pinning", 0);
+    let samples = noisy(&clean, 40.0, 0);
+    let small: Vec<f64> = samples.iter().map(|x| UNIT * x).collect();
+    let gap = |samples: &[f64]| {
+        let found = compared(samples, clean.dt);
+        *found.named("pinning").unwrap().parameters.iter().find(|p| p.name == "pinning_gap").unwrap()
+    };
+    let (one, other) = (gap(&samples), gap(&small));
+    assert!(other.value < 1e-9, "{other:?}");
+    for (end, scaled) in [(one.low, other.low), (one.high, other.high)] {
+        assert!((scaled.unwrap() / UNIT / end.unwrap() - 1.0).abs() < 0.05, "{one:?} {other:?}");
+    }
+}
+
 /// A spring with an exponent next to 1 bends the frequency by the logarithm of the amplitude. With it a linear mode of 30 Hz whose frequency rose by 0.05 Hz a
 /// second once had a frequency at rest from 37.6 to 38.9 Hz.
 #[test]
@@ -161,6 +181,13 @@ fn no_law_is_named_for_a_tone_that_does_not_decay() {
     let record = ModeRecord { samples: &samples, dt: 1e-3, quantity: Quantity::Displacement };
     let refused = compare_laws(&[record], &Settings::default()).unwrap_err().to_string();
     assert!(refused.contains("the amplitude changes by 0.") && refused.contains("driven"), "{refused}");
+    let envelope = envelope(&samples, 1e-3, Method::Hilbert, &Options::default()).unwrap();
+    let curves = Curves::new(&envelope, Quantity::Displacement, ForceAxis::Modal).unwrap();
+    let ring_down =
+        RingDown { samples: &samples, dt: 1e-3, quantity: Quantity::Displacement, band: None, beside: None };
+    let refused =
+        compare(&[Source { ring_down, first: 0.0, curves: &curves }], None).unwrap_err().to_string();
+    assert!(refused.contains("all laws look alike"), "{refused}");
 }
 
 /// A joint beside a further damper or spring. Fits of the joint alone were once called usable, with closed intervals of frequency, damping

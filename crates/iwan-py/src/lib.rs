@@ -37,9 +37,9 @@ mod _native {
     #[pymodule_export]
     use crate::records::envelope::{_envelope, _envelopes, Envelope, envelope};
     #[pymodule_export]
-    use crate::records::identified::{
-        _check_law, _identify, _identify_many, _likelihood, Identified, Likelihood,
-    };
+    use crate::records::identified::{_check_law, _identify, _identify_many, Identified};
+    #[pymodule_export]
+    use crate::records::likelihood::{_likelihood, Likelihood};
     #[pymodule_export]
     use crate::records::record::{_read_bytes, _record, Record, read_record};
     #[pymodule_export]

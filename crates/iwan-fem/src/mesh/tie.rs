@@ -42,13 +42,11 @@ impl Mesh {
         let nodes: Vec<Vec<usize>> = sides.faces.iter().map(|face| face.nodes(self)).collect();
         let boxes: Vec<Bounds> = nodes.iter().map(|nodes| Bounds::around(self, nodes)).collect();
         let mean = boxes.iter().map(Bounds::diagonal).sum::<f64>() / boxes.len().max(1) as f64;
-        let mid_edge = nodes.iter().map(|nodes| nodes.len() > 4);
-        let boxes: Vec<Bounds> = boxes
-            .into_iter()
-            .zip(mid_edge)
-            .map(|(b, mid_edge)| if mid_edge { b.bulging() } else { b })
-            .collect();
         let tolerance = sides.tolerance.unwrap_or(TOLERANCE * mean);
+        // Only faces with mid-edge nodes are curved.
+        let with_bulge =
+            |(bounds, nodes): (Bounds, &Vec<usize>)| if nodes.len() > 4 { bounds.bulging() } else { bounds };
+        let boxes: Vec<Bounds> = boxes.into_iter().zip(&nodes).map(with_bulge).collect();
         let mut leading: Vec<usize> = nodes.into_iter().flatten().collect();
         leading.sort_unstable();
         leading.dedup();

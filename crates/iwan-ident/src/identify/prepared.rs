@@ -1,7 +1,7 @@
 //! A record prepared for the comparison with a model, and the model's curves, made as the record's were.
 
 use super::settings::{ModeRecord, Settings};
-use crate::curves::{Curves, ForceAxis, lost};
+use crate::curves::{Curves, ForceAxis, amplitude_drop};
 use crate::error::Error;
 use crate::parameters::Parameters;
 use crate::refine::{RingDown, Sampling, TurningPoint, check_rate};
@@ -29,7 +29,7 @@ impl<'a> Prepared<'a> {
         check_rate(1.0 / (isolated.band.peak * record.dt))?;
         let envelope = isolated.envelope(settings.method, settings.options.order)?;
         let curves = Curves::new(&envelope, record.quantity, ForceAxis::Modal)?;
-        let lost = lost([&curves]);
+        let lost = amplitude_drop([&curves]);
         if lost < HARDLY {
             return Err(Error::Refused {
                 finding: format!(

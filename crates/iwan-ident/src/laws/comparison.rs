@@ -16,7 +16,7 @@ use super::slow::{
 };
 use super::terms::{Scales, Term, coordinates};
 use crate::curve_fit::{Compared, Grade, Verdict};
-use crate::curves::{Curves, lost};
+use crate::curves::{Curves, amplitude_drop};
 use crate::error::{Error, check};
 use crate::parameters::Parameters;
 use crate::signal::HARDLY;
@@ -94,7 +94,7 @@ struct Together {
 /// together see less than 2 % of amplitude.
 pub fn compare(sources: &[Source<'_>], iwan: Option<&Parameters>) -> Result<Comparison, Error> {
     check("records", sources.len() as f64, !sources.is_empty(), "at least one", "give a record")?;
-    let lost = lost(sources.iter().map(|s| s.curves));
+    let lost = amplitude_drop(sources.iter().map(|s| s.curves));
     if lost < HARDLY {
         return Err(Error::Refused {
             finding: format!("over {:.2} % of amplitude all laws look alike", 100.0 * lost),

@@ -90,8 +90,9 @@ class Fit(SixParameters):
     thirds of the amplitudes that the law was not fitted to; None where the records saw too few), `dissipation_discrepancy` and `frequency_discrepancy` (what
     it misses beside noise as estimated with it; standard deviations, relative and in Hz), `grade`, `parameters` and `intervals` by name."""
     backbone: Mapping[str, Array]
-    """Smooth curves with bands of 95 %, from the smallest to the largest amplitude that was measured, of several hits those of a further hit: `amplitude`, `frequency` (Hz), `damping_ratio`, `frequency_low`, `frequency_high`,
-    `damping_ratio_low`, `damping_ratio_high`; empty where laws could not be compared."""
+    """Smooth curves with bands of 95 %, of several hits those of a further hit: `amplitude`, `frequency` (Hz), `damping_ratio`, `frequency_low`, `frequency_high`,
+    `damping_ratio_low`, `damping_ratio_high`; empty where laws could not be compared. They reach from the smallest to the largest amplitude that was measured,
+    less ends at which the damping may be zero."""
     _records: Sequence[Any] = field(repr=False)
     _request: Mapping[str, Any] = field(repr=False)
     """Records and arguments, to identify again."""
@@ -115,8 +116,8 @@ class Fit(SixParameters):
     def curve_mode(self) -> Mode:
         """The mode by its smooth curves, without a law. Raises `iwan.InvalidValueError` where there are none.
 
-        It can begin at any amplitude up to `backbone["amplitude"][-1]`, the largest that was measured: that at the first sample of the loudest
-        free decay.
+        It can begin at any amplitude up to `backbone["amplitude"][-1]`: that at the first sample of the loudest free decay, where its damping is
+        told.
 
         Example: that of `iwan.fit`.
         """

@@ -191,7 +191,8 @@ def frequency(
     """Draw frequency against the amplitude of displacement.
 
     `envelopes`: one `Envelope` or several by name, each with a 95 % band by its standard deviations; `quantity`: what their
-    amplitudes are of ("acceleration", "velocity", "displacement"), None: what each says itself; `mode`: one `Mode` or several by name, drawn by first-harmonic balance. One of the two is enough.
+    amplitudes are of ("acceleration", "velocity", "displacement"), None: what each says itself; `mode`: one `Mode` or several by
+    name, drawn by first-harmonic balance. One of the two is enough.
 
     >>> mode = iwan.Mode(frequency=124.0, joint=iwan.FourParameter(k_t=4.45e4, f_s=239.4, chi=-0.183, beta=0.3))
     >>> iwan.plot.frequency(mode=mode).get_ylabel()

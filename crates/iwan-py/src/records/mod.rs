@@ -3,6 +3,7 @@
 pub(crate) mod record;
 pub(crate) mod mode_records;
 pub(crate) mod envelope;
+pub(crate) mod likelihood;
 pub(crate) mod identified;
 pub(crate) mod sweeps;
 pub(crate) mod coupled_fit;

@@ -65,3 +65,25 @@ fn sweep(measurements: &[Measurement], root: Option<f64>) -> Option<SweepTable> 
     sweep.checked().ok()?;
     Some(SweepTable { sweep, at: root.map(|_| POINT.into()), damping_ratio: None, direction: None })
 }
+
+#[cfg(test)]
+mod tests {
+    use iwan_ident::sweeps::ResponsePoint;
+
+    use super::super::measurement::Level;
+    use super::*;
+
+    #[test]
+    fn a_sweep_has_the_levels_that_most_of_them_held() {
+        let point = |frequency| ResponsePoint { frequency, amplitude: 1e-4, phase: -1.5, force: 1.0 };
+        let held = [(Control::Force, 3.0), (Control::Displacement, 2e-4), (Control::Displacement, 1e-4)];
+        let level = |held| Level { held: Some(held), points: vec![0, 1] };
+        let measurement = Measurement {
+            file: "day.csv".into(),
+            data: SteadyData::Response(vec![point(112.0), point(128.0)]),
+            levels: held.map(level).to_vec(),
+        };
+        let sweep = sweep(&[measurement], None).map(|table| table.sweep);
+        assert!(sweep.is_some_and(|s| s.control == Control::Displacement && s.levels == [1e-4, 2e-4]));
+    }
+}

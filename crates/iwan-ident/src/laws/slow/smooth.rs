@@ -58,7 +58,7 @@ impl Smooth {
 }
 
 /// Frequency and damping ratio against amplitude with bands of 95 %, by ascending amplitude, from the smallest to the largest amplitude of the records'
-/// free decays: the largest is that at the first sample of the loudest record. All vectors have the same length. From several hits, the bands are those of
+/// free decays: the largest is that at the first sample of the loudest record. Amplitudes at either end whose damping may be zero are left out. All vectors have the same length. From several hits, the bands are those of
 /// a further hit on the specimen; from one hit they are its own, and do not know how the next would differ.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Backbone {
