@@ -4,6 +4,7 @@ use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum, ValueHint};
+use iwan_machine::threads::at_once;
 
 /// Options of every computing command.
 #[derive(Debug, Args)]
@@ -25,8 +26,7 @@ pub(crate) struct Common {
 impl Common {
     /// Number of threads to use.
     pub(crate) fn thread_count(&self) -> usize {
-        let given = self.threads.or_else(|| std::thread::available_parallelism().ok());
-        given.map_or(1, NonZeroUsize::get)
+        self.threads.map_or_else(at_once, NonZeroUsize::get)
     }
 }
 

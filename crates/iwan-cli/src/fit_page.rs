@@ -4,6 +4,7 @@ use iwan_ident::curves::Quantity;
 use iwan_ident::identify::{Identification, Settings};
 use iwan_input::scenario::to_toml;
 use iwan_io::Record;
+use iwan_machine::threads::at_once;
 
 use crate::failure::Failure;
 use crate::fit::{FitSummary, Reported, as_scenario, render};
@@ -96,7 +97,7 @@ impl Told {
             notes: mode.notes.to_vec(),
         };
         let axis = if mode.joint_force { Axis::Joint } else { Axis::Modal };
-        let extractions = extract(&recordings, &wanted, mode.settings.method)?;
+        let extractions = extract(&recordings, &wanted, mode.settings.method, at_once())?;
         let identified = [Identified::of(&recordings, &wanted, extractions, axis, mode.found.clone())?];
         let units = Units::new(first.record.unit(), first.quantity, mode.mass_normalised);
         let mut summary = FitSummary::new(&recordings, &identified, axis, &units);

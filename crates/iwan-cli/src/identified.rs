@@ -8,6 +8,7 @@ use iwan_ident::identify::{Held, Identification, ModeRecord, Settings, identify,
 use iwan_ident::signal::Method;
 use iwan_ident::{Parameter, Parameters};
 use iwan_machine::checkpoint::Checkpoint;
+use iwan_machine::threads::in_parallel;
 use iwan_study::identified::{IdentifiedMode, RecordOfMode};
 
 use crate::failure::Failure;
@@ -34,9 +35,11 @@ pub(crate) fn extract(
     recordings: &[Recording],
     wanted: &Wanted,
     method: Method,
+    threads: usize,
 ) -> Result<Vec<Extraction>, Failure> {
-    let one = |record| Extraction::new(recordings, wanted, record, method, Axis::Modal);
-    (0..wanted.records.len()).map(one).collect()
+    let all: Vec<usize> = (0..wanted.records.len()).collect();
+    let one = |record: &usize| Extraction::new(recordings, wanted, *record, method, Axis::Modal);
+    in_parallel(&all, threads, &one).into_iter().collect()
 }
 
 impl Identified {

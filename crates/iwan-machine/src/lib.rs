@@ -12,11 +12,11 @@ mod kinds;
 // Lists of names in messages.
 mod names;
 
-// How much memory is free, and whether an estimate fits.
-pub mod memory;
-
 // Work on as many threads as can be had.
 pub mod threads;
+
+// How much memory is free, and whether an estimate fits.
+pub mod memory;
 
 // The bytes of a file, as far as there is memory for them.
 mod files;

@@ -6,6 +6,8 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use sysinfo::{MemoryRefreshKind, ProcessRefreshKind, ProcessesToUpdate, System};
 
+use crate::threads::at_once;
+
 /// The limit that the user sets for this process, bytes. Memory belongs to the process as a whole, so one static value holds for all of its
 /// threads.
 static LIMIT: AtomicU64 = AtomicU64::new(u64::MAX);
@@ -120,10 +122,6 @@ pub fn parse_bytes(text: &str) -> Result<u64, String> {
 /// 2 MiB. Before this was counted, a response for which 378 MB seemed to be free under `ulimit -v` ended in an abort at 288 MB.
 const ARENA: u64 = 66 << 20;
 
-fn cores() -> u64 {
-    std::thread::available_parallelism().map_or(1, |cores| cores.get() as u64)
-}
-
 /// The memory that may still be taken.
 ///
 /// ```
@@ -142,7 +140,7 @@ pub fn free() -> Free {
         return free;
     }
     let (resident, reserved) = own(&mut system);
-    let reserved = reserved.saturating_add(ARENA.saturating_mul(cores()));
+    let reserved = reserved.saturating_add(ARENA.saturating_mul(at_once() as u64));
     for (most, taken, bound) in [(address_space, reserved, Bound::Process), (limit, resident, Bound::Given)] {
         let left = most.saturating_sub(taken);
         if most != u64::MAX && left < free.bytes {

@@ -2,10 +2,21 @@
 //!
 //! No result depends on the number of threads: callers divide the work by its size alone.
 
+use std::num::NonZeroUsize;
 use std::panic::resume_unwind;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::Builder;
+
+/// Number of threads that the system runs at once; one where it does not say.
+///
+/// ```
+/// assert!(iwan_machine::threads::at_once() >= 1);
+/// ```
+#[must_use]
+pub fn at_once() -> usize {
+    std::thread::available_parallelism().map_or(1, NonZeroUsize::get)
+}
 
 /// Runs `work` on the calling thread and on up to `threads - 1` others at once, and returns the result of each, that of the calling thread
 /// first. `work` takes pieces from a common store until none are left.

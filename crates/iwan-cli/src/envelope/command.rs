@@ -12,7 +12,8 @@ use crate::session::{PAGE, SUMMARY, Session};
 
 /// Runs the command.
 pub(crate) fn run(args: &EnvelopeArgs) -> Result<(), Failure> {
-    let recordings = records::read_all(std::slice::from_ref(&args.record), &args.records)?;
+    let recordings =
+        records::read_all(std::slice::from_ref(&args.record), &args.records, args.common.thread_count())?;
     if args.peaks {
         return peaks::run(args, &recordings[0]);
     }

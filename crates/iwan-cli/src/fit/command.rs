@@ -48,7 +48,7 @@ pub(crate) fn run(mut args: FitArgs) -> Result<(), Failure> {
     if !args.sweeps.is_empty() || !args.backbones.is_empty() {
         return sweeps::fit(args, |session| ring_downs(args, session));
     }
-    let recordings = records::read_all(&args.fit, &args.records)?;
+    let recordings = records::read_all(&args.fit, &args.records, args.common.thread_count())?;
     let [curves, response] = ["curves", "response"].map(|stem| args.format.file(stem));
     let files = [WHOLE, SUMMARY, SCENARIO, LAW, CURVES, PAGE, &curves, &response];
     let mut session = Session::open(args.place(), &args.common, files)?;
@@ -95,7 +95,7 @@ fn ring_downs(args: &FitArgs, session: &mut Session) -> Result<Option<RingDowns>
     if args.fit.is_empty() {
         return Ok(None);
     }
-    let recordings = records::read_all(&args.fit, &args.records)?;
+    let recordings = records::read_all(&args.fit, &args.records, args.common.thread_count())?;
     for recording in &recordings {
         session.warnings(&recording.warnings);
     }
@@ -159,8 +159,8 @@ fn identify_all(
         recordings.iter().fold(options, record)
     })?;
     let work = move || {
-        let first = |mode: &Wanted| extract(&recordings, mode, method);
-        let extracted: Result<Vec<_>, Failure> = in_parallel(&wanted, threads, &first).into_iter().collect();
+        let first = |mode: &Wanted| extract(&recordings, mode, method, threads);
+        let extracted: Result<Vec<_>, Failure> = wanted.iter().map(first).collect();
         let pairs: Vec<_> = wanted.into_iter().zip(extracted?).collect();
         let then = |(mode, extractions): &(Wanted, Vec<Extraction>)| {
             Identified::new(&recordings, mode, extractions.clone(), axis, &hold, kept.as_ref())

@@ -2,25 +2,29 @@
 
 use std::path::PathBuf;
 
-use iwan_ident::signal::{Event, Hit, overview};
+use iwan_ident::signal::{Event, Hit, Overview, overview};
+use iwan_machine::threads::in_parallel;
 
 use super::args::{Hits, RecordArgs};
 use super::reading::{Recording, read};
 use crate::failure::Failure;
 
 /// Reads files as the options say; a record of several hits that are well apart becomes one recording per hit, in their order.
-pub(crate) fn read_all(paths: &[PathBuf], args: &RecordArgs) -> Result<Vec<Recording>, Failure> {
-    let mut all = Vec::new();
-    for path in paths {
-        all.extend(stretches(read(path, args)?, args.hits)?);
-    }
-    Ok(all)
+pub(crate) fn read_all(
+    paths: &[PathBuf],
+    args: &RecordArgs,
+    threads: usize,
+) -> Result<Vec<Recording>, Failure> {
+    // One file after the other, so that the memory for one is given back before the next is read.
+    let read: Vec<Recording> = paths.iter().map(|path| read(path, args)).collect::<Result<_, _>>()?;
+    let seen = in_parallel(&read, threads, &|r| overview(r.record.samples(), r.record.dt()));
+    let cut = read.into_iter().zip(seen).map(|(recording, seen)| stretches(recording, &seen, args.hits));
+    Ok(cut.collect::<Result<Vec<_>, _>>()?.concat())
 }
 
 /// The wanted hits of a recording, with warnings about disturbances in it.
-fn stretches(mut recording: Recording, wanted: Hits) -> Result<Vec<Recording>, Failure> {
+fn stretches(mut recording: Recording, seen: &Overview, wanted: Hits) -> Result<Vec<Recording>, Failure> {
     let record = &recording.record;
-    let seen = overview(record.samples(), record.dt());
     let found = &seen.hits;
     let (name, start, release) = (recording.name.clone(), record.start(), seen.release());
     if release > 0 {

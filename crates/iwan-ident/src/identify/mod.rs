@@ -15,6 +15,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use iwan_machine::checkpoint::Checkpoint;
+use iwan_machine::threads::{at_once, in_parallel};
 
 use crate::curve_fit::{Beside, Compared, Doubt, Fit, Start, Verdict, fit_from, left_over, start};
 use crate::curves::Curves;
@@ -128,8 +129,8 @@ fn identification(
     kept: Option<&Arc<Checkpoint>>,
 ) -> Result<Identification, Error> {
     check("records", records.len() as f64, !records.is_empty(), "at least one", "give a record")?;
-    let prepared =
-        records.iter().map(|record| Prepared::new(*record, settings)).collect::<Result<Vec<_>, _>>()?;
+    let prepared = in_parallel(records, at_once(), &|record| Prepared::new(*record, settings));
+    let prepared = prepared.into_iter().collect::<Result<Vec<_>, _>>()?;
     check_together(records, &prepared)?;
     let curves: Vec<Curves> = prepared.iter().map(|p| p.curves.clone()).collect();
     let days = days(&prepared);
@@ -144,11 +145,11 @@ fn identification(
     task.begin_with(days.as_deref());
     let Found { minimum, profiles } = minimum_and_profiles(&mut task, &fit.parameters)?;
     let refined = task.refined(&minimum);
-    let model_curves = prepared
-        .iter()
-        .zip(&refined.starts)
-        .map(|(p, start)| p.model_curves(&refined.parameters, *start, settings))
-        .collect::<Result<Vec<_>, _>>()?;
+    let pairs: Vec<_> = prepared.iter().zip(&refined.starts).collect();
+    let curves_of =
+        |(p, start): &(&Prepared<'_>, &TurningPoint)| p.model_curves(&refined.parameters, **start, settings);
+    let model_curves =
+        in_parallel(&pairs, at_once(), &curves_of).into_iter().collect::<Result<Vec<_>, _>>()?;
     let linear = linear(&task, &minimum, &refined.parameters, &curves)?;
     let laws = laws::of_prepared(&prepared, Some(&refined.parameters));
     let speaks_against = laws.as_ref().is_ok_and(|laws| laws.speaks_against("iwan"));

@@ -2,6 +2,7 @@
 
 use iwan_core::{Grid, Representation};
 use iwan_input::scenario::MOST_SLIDERS;
+use iwan_machine::threads::at_once;
 use iwan_sim::Method;
 use pyo3::prelude::*;
 
@@ -81,6 +82,6 @@ pub(crate) fn thread_count(threads: Option<usize>) -> PyResult<usize> {
     match threads {
         Some(0) => Err(value("threads = 0 is out of range: at least 1, or None for all cores")),
         Some(threads) => Ok(threads),
-        None => Ok(std::thread::available_parallelism().map_or(1, std::num::NonZeroUsize::get)),
+        None => Ok(at_once()),
     }
 }

@@ -10,6 +10,7 @@ use iwan_ident::curve_fit::{fit, start};
 use iwan_ident::curves::Quantity;
 use iwan_ident::signal::Method;
 use iwan_io::{ReadOptions, Record, Warning};
+use iwan_machine::threads::at_once;
 
 use crate::failure::Failure;
 use crate::fit::args::FitArgs;
@@ -74,7 +75,7 @@ impl Measured {
         }
         let (mut modes, mut ends) = (Vec::new(), vec![0; recordings.len()]);
         for one in &wanted {
-            let extractions = extract(&recordings, one, method)?;
+            let extractions = extract(&recordings, one, method, at_once())?;
             for (end, x) in ends.iter_mut().zip(&extractions) {
                 *end = x.isolated.window.end.max(*end);
             }
@@ -142,7 +143,7 @@ pub(crate) type Loaded = (Recording, Option<Vec<f64>>);
 /// Reads the files; with `load`, the channel of that name becomes the force of each recording.
 fn files(paths: &[std::path::PathBuf], args: &FitArgs, load: Option<&str>) -> Result<Vec<Loaded>, Failure> {
     let Some(load) = load else {
-        let mut recordings = records::read_all(paths, &args.records)?;
+        let mut recordings = records::read_all(paths, &args.records, args.common.thread_count())?;
         if let Some(first) = recordings.first_mut() {
             first.warnings.extend(without_load(&first.record));
         }
