@@ -8,6 +8,7 @@ use iwan_ident::coupled::{CoupledFit, Seen, fit_coupled};
 use iwan_ident::curves::Quantity;
 use iwan_ident::signal::Method;
 use iwan_io::Record;
+use iwan_machine::threads::at_once;
 
 use crate::failure::Failure;
 use crate::fit::{CoupledResults, Loaded, Measured};
@@ -125,7 +126,7 @@ fn made(
         Ok(Shapes::given(rows, sought.frequencies))
     });
     let modes = Sought { shapes: shapes.transpose()?, bands: sought.bands, near: sought.near, mass: 1.0 };
-    Measured::new(&fitted, &held, seen, method, |recordings| modes.modes(recordings))
+    Measured::new(&fitted, &held, (seen, method), at_once(), |recordings| modes.modes(recordings))
 }
 
 fn loaded(records: Vec<StruckRecord>) -> Result<Vec<Loaded>, Failure> {

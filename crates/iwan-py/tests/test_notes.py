@@ -5,6 +5,7 @@ import pandas
 import pytest
 
 import iwan
+from iwan._stretches import several
 
 
 def test_coupled_fits_say_where_samples_are_lost() -> None:
@@ -57,10 +58,10 @@ def test_lists_of_tables_are_records_and_not_channels() -> None:
     t, x = _decays()
     one, other = x[:8192], x[8192:]
     tables = [pandas.Series(x, index=pandas.Index(t, name="time [s]"), name="acc") for x in (one, other)]
-    assert len(iwan.identification.several(tables)) == len(iwan.identification.several([one, other])) == 2
-    assert len(iwan.identification.several([pandas.Series(one), other])) == 2
-    assert len(iwan.identification.several([{"time": t, "acc": one}, {"time": t, "acc": other}])) == 2
-    assert len(iwan.identification.several([list(one), list(other)])) == 1
+    assert len(several(tables)) == len(several([one, other])) == 2
+    assert len(several([pandas.Series(one), other])) == 2
+    assert len(several([{"time": t, "acc": one}, {"time": t, "acc": other}])) == 2
+    assert len(several([list(one), list(other)])) == 1
 
 
 def test_records_in_different_units_are_not_fitted_together() -> None:

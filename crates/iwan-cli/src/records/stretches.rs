@@ -18,8 +18,11 @@ pub(crate) fn read_all(
     // One file after the other, so that the memory for one is given back before the next is read.
     let read: Vec<Recording> = paths.iter().map(|path| read(path, args)).collect::<Result<_, _>>()?;
     let seen = in_parallel(&read, threads, &|r| overview(r.record.samples(), r.record.dt()));
-    let cut = read.into_iter().zip(seen).map(|(recording, seen)| stretches(recording, &seen, args.hits));
-    Ok(cut.collect::<Result<Vec<_>, _>>()?.concat())
+    let mut all = Vec::new();
+    for (recording, seen) in read.into_iter().zip(&seen) {
+        all.extend(stretches(recording, seen, args.hits)?);
+    }
+    Ok(all)
 }
 
 /// The wanted hits of a recording, with warnings about disturbances in it.

@@ -14,9 +14,9 @@ from numpy.typing import ArrayLike
 
 from iwan import _native
 from iwan._native import FourParameter, Mode, Record, _FittedCoupled
+from iwan._stretches import disturbed, several, stretches
 from iwan.coupled import CoupledModes, SharedJoint
 from iwan.errors import InvalidValueError
-from iwan.identification import disturbed, several, stretches
 from iwan.progress import Progress, bar
 from iwan.records import as_record
 from iwan.types import Array, EnvelopeMethod, Pair

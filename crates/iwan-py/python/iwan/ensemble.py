@@ -17,8 +17,9 @@ from numpy.typing import ArrayLike
 
 from iwan import _native
 from iwan._checkpoint import Checkpoint
+from iwan._stretches import check_hits, several, stretches
 from iwan.errors import InvalidValueError, IwanError
-from iwan.identification import Fit, check_hits, made, request as _request, several, stretches
+from iwan.identification import Fit, made, request as _request
 from iwan.progress import Progress, bar
 from iwan.types import Array, EnvelopeMethod, Grid, History, Method, Pair
 

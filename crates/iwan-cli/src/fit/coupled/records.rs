@@ -10,7 +10,6 @@ use iwan_ident::curve_fit::{fit, start};
 use iwan_ident::curves::Quantity;
 use iwan_ident::signal::Method;
 use iwan_io::{ReadOptions, Record, Warning};
-use iwan_machine::threads::at_once;
 
 use crate::failure::Failure;
 use crate::fit::args::FitArgs;
@@ -48,15 +47,15 @@ impl Measured {
                 _ => failure,
             })
         };
-        Self::new(&fitted, &held, seen, args.method.method(), modes)
+        Self::new(&fitted, &held, (seen, args.method.method()), args.common.thread_count(), modes)
     }
 
     /// Extracts the modes from the recordings that are fitted and those that are held out.
     pub(crate) fn new(
         fitted: &[Loaded],
         held: &[Loaded],
-        seen: Seen,
-        method: Method,
+        (seen, method): (Seen, Method),
+        threads: usize,
         find: impl Fn(&[Recording]) -> Result<Vec<Wanted>, Failure>,
     ) -> Result<Self, Failure> {
         let mut recordings: Vec<Recording> = fitted.iter().map(|(r, _)| r.clone()).collect();
@@ -75,7 +74,7 @@ impl Measured {
         }
         let (mut modes, mut ends) = (Vec::new(), vec![0; recordings.len()]);
         for one in &wanted {
-            let extractions = extract(&recordings, one, method, at_once())?;
+            let extractions = extract(&recordings, one, method, threads)?;
             for (end, x) in ends.iter_mut().zip(&extractions) {
                 *end = x.isolated.window.end.max(*end);
             }
