@@ -91,7 +91,16 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> u8 {
             return code;
         }
     };
+    progress::begun();
     memory::set_limit(cli.memory.unwrap_or(u64::MAX));
+    memory::watch(move |short| {
+        let failure = Failure::from(short);
+        progress::end(&failure, &|| {
+            if json {
+                told(&failure);
+            }
+        });
+    });
     let outcome = command(cli.command);
     let _ending = progress::ending();
     progress::ended();
@@ -116,6 +125,9 @@ fn told(failure: &Failure) {
 
 /// Runs one command.
 fn command(command: Command) -> Result<(), Failure> {
+    if !matches!(command, Command::Scenario(_) | Command::Completions(_) | Command::Man(_)) {
+        memory::ask_to_begin()?;
+    }
     match command {
         Command::Simulate(args) => simulate::run(&args),
         Command::Frf(args) => frf::run(&args),

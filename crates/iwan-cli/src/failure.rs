@@ -98,8 +98,12 @@ impl Failure {
     }
 
     /// A failure by bad input in a library's words: the text behind the first semicolon of the library's error is the remedy.
+    /// Where memory is lacking, the input is not to blame: then it is one of the computation.
     pub(crate) fn said(place: &str, error: &impl Kinded) -> Self {
         let text = error.to_string();
+        if error.its_kind() == Kind::Memory {
+            return Self::lacking(&format!("{place}: {text}"));
+        }
         let (message, remedy) = text.split_once("; ").unwrap_or((&text, "check the record and the options"));
         // Errors of file readers begin with the file's name already.
         let message = if message.starts_with(place) { message.into() } else { format!("{place}: {message}") };

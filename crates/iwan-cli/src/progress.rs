@@ -44,27 +44,37 @@ pub(crate) fn staged(folder: &Path) {
 /// From now on work notices Ctrl-C between two steps, so that no half result is left. Work that does not check in time, such as the writing of a long
 /// file, ends with the process, and the [`staged`] folder is removed.
 pub(crate) fn catch_interrupts() {
-    RUNNING.store(true, Ordering::Relaxed);
     // This fails only where a handler is set already, or the system has no signals or no thread: then Ctrl-C kills the process as usual.
     let _ = ctrlc::set_handler(|| {
         INTERRUPTED.store(true, Ordering::Relaxed);
         std::thread::sleep(PATIENCE);
-        let _ending = ending();
-        if RUNNING.load(Ordering::Relaxed) {
-            // The folder is removed three times over, because the command may still create a file while others are removed.
-            let staged = locked(&STAGED).take();
-            if let Some(path) = &staged {
-                (0..3).for_each(|_| drop(std::fs::remove_dir_all(path)));
-            }
-            output::message(&Failure::Interrupted.to_string());
-            std::process::exit(Failure::Interrupted.code().into());
-        }
+        end(&Failure::Interrupted, &|| {});
     });
+}
+
+/// Ends the process with this failure, and with what `last` still has to say, unless the command has ended meanwhile.
+pub(crate) fn end(failure: &Failure, last: &dyn Fn()) {
+    let _ending = ending();
+    if RUNNING.load(Ordering::Relaxed) {
+        // The folder is removed three times over, because the command may still create a file while others are removed.
+        let staged = locked(&STAGED).take();
+        if let Some(path) = &staged {
+            (0..3).for_each(|_| drop(std::fs::remove_dir_all(path)));
+        }
+        output::message(&failure.to_string());
+        last();
+        std::process::exit(failure.code().into());
+    }
 }
 
 /// Until the returned guard is dropped, Ctrl-C does not end the process.
 pub(crate) fn ending() -> MutexGuard<'static, ()> {
     locked(&ENDING)
+}
+
+/// Marks that a command is running.
+pub(crate) fn begun() {
+    RUNNING.store(true, Ordering::Relaxed);
 }
 
 /// Marks that the command has ended and has reported how: from now on Ctrl-C leaves the process alone.

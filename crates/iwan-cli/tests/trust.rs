@@ -7,6 +7,7 @@ use std::process::{Output, Stdio};
 use std::time::{Duration, Instant};
 
 use crate::common::{SMALL, folder, iwan, names, ring_down, shown};
+use crate::hits_of_bench::hits;
 use assert_cmd::Command;
 
 /// Longest time that a refusal may take on a busy machine, s.
@@ -94,6 +95,21 @@ fn what_is_no_file_is_refused() {
     }
 }
 
+/// A pipe that never ends filled the memory: no scenario is as long.
+#[test]
+fn a_pipe_without_an_end_is_refused() {
+    let place = folder("");
+    let program = assert_cmd::cargo::cargo_bin!("iwan").display().to_string();
+    for command in ["simulate", "modes", "frf"] {
+        let line = format!("cat /dev/zero | {program} {command} /dev/stdin --out out");
+        let output =
+            Command::new("sh").args(["-c", &line]).current_dir(place.path()).timeout(PROMPT).output();
+        let output = output.unwrap();
+        assert_eq!(output.status.code(), Some(2), "{}", shown(&output));
+        assert!(shown(&output).contains("over 16 MB"), "{}", shown(&output));
+    }
+}
+
 #[test]
 fn a_pipe_with_a_writer_is_a_file() {
     let place = folder(SMALL);
@@ -118,6 +134,25 @@ fn memory_is_asked_for_before_it_is_taken() {
     assert!(text.contains("block.toml:4:") && text.contains("GB of memory"), "{text}");
 }
 
+/// Analyses that took no account of their memory before they began, and those whose estimate is too small, end in words as well.
+#[test]
+fn what_memory_allows_holds_for_every_command() {
+    let place = folder(SMALL);
+    hits(place.path(), 2);
+    let sweep =
+        SMALL.to_string() + "[sweep]\nfrom = 100.0\nto = 130.0\nforce = [1.0, 2.0]\npoints = 1000000\n";
+    std::fs::write(place.path().join("sweep.toml"), sweep).unwrap();
+    for (line, said) in [
+        ("modal h1.csv h2.csv --at a1 --band 60:480 --memory 20MB", "the analysis of "),
+        ("frf sweep.toml --memory 400MB", "points of steady responses"),
+        ("backbone in.toml --points 100000 --memory 40MB", "points of backbones"),
+        ("modes --memory 20MB", "needs about"),
+    ] {
+        let text = refused(place.path(), &format!("{line} --out out"), 1);
+        assert!(text.contains(said) && text.contains("--memory allows"), "{line}: {text}");
+    }
+}
+
 /// Under a bound on address space the kernels of matrices reserved a gigabyte and aborted the process, and so did a response that seemed to fit.
 #[cfg(target_os = "linux")]
 #[test]
@@ -126,10 +161,9 @@ fn a_bound_on_address_space_is_no_abort() {
     let program = assert_cmd::cargo::cargo_bin!("iwan").display().to_string();
     let text = ring_down(2000.0, 4000, &[(124.0, 2e-3, 1.0)], &[&[1.0]], "a [m/s^2]");
     std::fs::write(place.path().join("hit.csv"), text).unwrap();
-    for megabytes in [300, 400, 600, 1000, 1500] {
-        // Threads of searches within searches reserve 66 MB each: below 600 MB a fit may not begin.
-        let fit = (megabytes >= 600).then_some("fit hit.csv");
-        for command in ["simulate --duration 20", "modes", "quasi-static"].into_iter().chain(fit) {
+    for megabytes in [50, 100, 200, 300, 400, 600, 1000, 1500] {
+        for command in ["simulate --duration 20", "modes", "quasi-static", "fit hit.csv", "envelope hit.csv"]
+        {
             let line =
                 format!("ulimit -v {megabytes}000; exec {program} {command} --force --out out --quiet");
             let output = Command::new("bash").args(["-c", &line]).current_dir(place.path()).output().unwrap();
@@ -154,10 +188,17 @@ fn work_is_done_without_threads() {
     let place = folder(SMALL);
     let record = ring_down(2000.0, 1000, &[(124.0, 0.005, 1.0)], &[&[1.0]], "acc");
     std::fs::write(place.path().join("r.csv"), record).unwrap();
-    for (n, line) in
-        ["simulate in.toml", "simulate in.toml --threads 1000", "envelope r.csv", "modes --count 3"]
-            .iter()
-            .enumerate()
+    hits(place.path(), 2);
+    for (n, line) in [
+        "simulate in.toml",
+        "simulate in.toml --threads 1000",
+        "envelope r.csv",
+        "fit r.csv",
+        "modal h1.csv h2.csv --at a1 --band 60:480",
+        "modes --count 3",
+    ]
+    .iter()
+    .enumerate()
     {
         let none = [("RUST_MIN_STACK", "100000000000000")];
         let output = bounded(place.path(), &format!("{line} --quiet --out out{n}"), &none);

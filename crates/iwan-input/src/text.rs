@@ -1,6 +1,7 @@
 //! The text of an input file with its name, for messages with line and column.
 
 use std::fmt::Write as _;
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use iwan_machine::Kind;
@@ -8,8 +9,8 @@ use iwan_machine::Kind;
 use crate::error::InputError;
 
 /// Largest size of an input file in bytes. An input file is a page or two; tabulated densities make it longer, but never as long as this. A
-/// longer file is most likely a record or a mesh given by mistake, and is refused before it is read.
-const LARGEST: u64 = 16 << 20;
+/// longer file is most likely a record or a mesh given by mistake, and is refused before it is read, a pipe after as many bytes.
+const LARGEST: u64 = 16_000_000;
 
 /// A named text.
 #[derive(Debug, Clone)]
@@ -38,7 +39,7 @@ impl InputText {
         let name = path.display().to_string();
         let fail = |what: String, remedy: &str| InputError::new(format!("{name}: {what}"), remedy);
         let start = format!("`iwan scenario {example}` prints a start");
-        let unreadable = |e| {
+        let unreadable = |e: std::io::Error| {
             fail(format!("cannot be read: {e}"), &format!("check the path; {start}")).of(Kind::Unreadable)
         };
         let give = format!("give the {word} file (.toml)");
@@ -46,10 +47,10 @@ impl InputText {
         if meta.is_dir() {
             return Err(fail("is a folder".into(), &format!("{give} inside it")).of(Kind::Unreadable));
         }
-        if meta.len() > LARGEST {
-            return Err(fail(format!("is too large for a {word} (over 16 MB)"), &give));
-        }
-        let bytes = iwan_machine::read_file(path).map_err(unreadable)?;
+        let bytes = iwan_machine::read_file_within(path, LARGEST).map_err(|e| match e.kind() {
+            ErrorKind::FileTooLarge => fail(format!("is too large for a {word} (over 16 MB)"), &give),
+            _ => unreadable(e),
+        })?;
         let binary = format!("save it as plain text (UTF-8); {start}");
         let text = String::from_utf8(bytes).map_err(|e| {
             let at = e.utf8_error().valid_up_to();

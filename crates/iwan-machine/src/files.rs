@@ -15,6 +15,10 @@ const PIECE: usize = 16 << 20;
 /// who names a pipe has started its writer already, or never will.
 const PATIENCE: Duration = Duration::from_secs(5);
 
+/// How long a pipe may give nothing although its writer lives: a program that computes before it writes may take a while, and one that never
+/// writes must not hold this program for ever. The error names the remedy, a file.
+const SILENCE: Duration = Duration::from_secs(30);
+
 /// Time between two attempts to read an empty pipe.
 const NAP: Duration = Duration::from_millis(10);
 
@@ -22,7 +26,8 @@ const NAP: Duration = Duration::from_millis(10);
 ///
 /// # Errors
 /// The operating system's error; [`ErrorKind::OutOfMemory`] where the file needs more memory than there is;
-/// [`ErrorKind::InvalidInput`] for a device, which has no end; [`ErrorKind::TimedOut`] for a pipe without a writer.
+/// [`ErrorKind::InvalidInput`] for a device, which has no end; [`ErrorKind::TimedOut`] for a pipe without a writer, and for one whose writer
+/// stays silent.
 ///
 /// ```
 /// let place = tempfile::NamedTempFile::new()?;
@@ -32,14 +37,31 @@ const NAP: Duration = Duration::from_millis(10);
 /// # Ok::<(), std::io::Error>(())
 /// ```
 pub fn read_file(path: &Path) -> io::Result<Vec<u8>> {
+    read_file_within(path, u64::MAX)
+}
+
+/// Reads a file of at most `most` bytes, or at most as many out of a pipe.
+///
+/// # Errors
+/// Those of [`read_file`]; [`ErrorKind::FileTooLarge`] for one byte more, before the file is read.
+///
+/// ```
+/// let place = tempfile::NamedTempFile::new()?;
+/// std::fs::write(place.path(), "whole")?;
+/// assert!(iwan_machine::read_file_within(place.path(), 5).is_ok());
+/// assert!(iwan_machine::read_file_within(place.path(), 4).is_err());
+/// # Ok::<(), std::io::Error>(())
+/// ```
+pub fn read_file_within(path: &Path, most: u64) -> io::Result<Vec<u8>> {
     let meta = std::fs::metadata(path)?;
     if is_pipe(&meta) {
-        return from_pipe(path);
+        return from_pipe(path, most);
     }
     if is_device(&meta) {
         let what = "it is a device and has no end; give a file";
         return Err(io::Error::new(ErrorKind::InvalidInput, what));
     }
+    fits(meta.len(), most)?;
     ask(meta.len())?;
     let mut bytes = Vec::new();
     bytes.try_reserve_exact(usize::try_from(meta.len()).unwrap_or(usize::MAX)).map_err(io::Error::other)?;
@@ -48,8 +70,16 @@ pub fn read_file(path: &Path) -> io::Result<Vec<u8>> {
     if meta.len() > 0 {
         file.by_ref().take(meta.len()).read_to_end(&mut bytes)?;
     }
-    drain(&mut file, &mut bytes, || Ok(false))?;
+    drain(&mut file, &mut bytes, most, || Ok(false))?;
     Ok(bytes)
+}
+
+fn fits(bytes: u64, most: u64) -> io::Result<()> {
+    if bytes <= most {
+        return Ok(());
+    }
+    let what = format!("it is longer than {}", memory::Bytes(most));
+    Err(io::Error::new(ErrorKind::FileTooLarge, what))
 }
 
 fn ask(bytes: u64) -> io::Result<()> {
@@ -58,14 +88,22 @@ fn ask(bytes: u64) -> io::Result<()> {
     asked.map_err(|short| io::Error::new(ErrorKind::OutOfMemory, short))
 }
 
-/// Reads to the end and checks the free memory meanwhile; where nothing has been read yet, `wait` decides whether to try again.
-fn drain(file: &mut File, bytes: &mut Vec<u8>, wait: impl Fn() -> io::Result<bool>) -> io::Result<()> {
+/// Reads to the end and checks the length and the free memory meanwhile; where nothing has been read yet, `wait` decides whether to try again.
+fn drain(
+    file: &mut File,
+    bytes: &mut Vec<u8>,
+    most: u64,
+    wait: impl Fn() -> io::Result<bool>,
+) -> io::Result<()> {
     let mut piece = vec![0; 1 << 16];
     let mut asked = bytes.len();
+    let mut heard = Instant::now();
     loop {
         match file.read(&mut piece) {
             Ok(0) if !(bytes.is_empty() && wait()?) => return Ok(()),
             Ok(n) => {
+                heard = Instant::now();
+                fits((bytes.len() + n) as u64, most)?;
                 // A vector that grows allocates twice its size, and the old half stays until it is copied.
                 if bytes.len() + n > asked {
                     asked = bytes.len() + PIECE;
@@ -74,7 +112,10 @@ fn drain(file: &mut File, bytes: &mut Vec<u8>, wait: impl Fn() -> io::Result<boo
                 bytes.try_reserve(n).map_err(io::Error::other)?;
                 bytes.extend_from_slice(&piece[..n]);
             }
-            Err(error) if error.kind() == ErrorKind::WouldBlock => std::thread::sleep(NAP),
+            Err(error) if error.kind() == ErrorKind::WouldBlock => {
+                silent_for(heard, SILENCE)?;
+                std::thread::sleep(NAP);
+            }
             Err(error) if error.kind() == ErrorKind::Interrupted => {}
             Err(error) => return Err(error),
         }
@@ -82,7 +123,7 @@ fn drain(file: &mut File, bytes: &mut Vec<u8>, wait: impl Fn() -> io::Result<boo
 }
 
 /// Reads a pipe. It is opened without waiting for a writer, and appears to be at its end until a writer opens it.
-fn from_pipe(path: &Path) -> io::Result<Vec<u8>> {
+fn from_pipe(path: &Path, most: u64) -> io::Result<Vec<u8>> {
     let mut options = OpenOptions::new();
     options.read(true);
     #[cfg(unix)]
@@ -93,18 +134,24 @@ fn from_pipe(path: &Path) -> io::Result<Vec<u8>> {
     let mut file = options.open(path)?;
     let (begin, mut bytes) = (Instant::now(), Vec::new());
     let wait = || {
-        if begin.elapsed() > PATIENCE {
-            let what = format!(
-                "it is a pipe, and nothing was written into it for {} s; start its writer first, or give a file",
-                PATIENCE.as_secs()
-            );
-            return Err(io::Error::new(ErrorKind::TimedOut, what));
-        }
+        silent_for(begin, PATIENCE)?;
         std::thread::sleep(NAP);
         Ok(true)
     };
-    drain(&mut file, &mut bytes, wait)?;
+    drain(&mut file, &mut bytes, most, wait)?;
     Ok(bytes)
+}
+
+/// Whether a pipe has given something since `heard`, or may still be waited for.
+fn silent_for(heard: Instant, patience: Duration) -> io::Result<()> {
+    if heard.elapsed() <= patience {
+        return Ok(());
+    }
+    let what = format!(
+        "it is a pipe, and nothing was written into it for {} s; start its writer first, or give a file",
+        patience.as_secs()
+    );
+    Err(io::Error::new(ErrorKind::TimedOut, what))
 }
 
 #[cfg(unix)]

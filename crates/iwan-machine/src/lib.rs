@@ -12,6 +12,9 @@ mod kinds;
 // Lists of names in messages.
 mod names;
 
+// Address space, of which threads and memory both take.
+mod address_space;
+
 // Work on as many threads as can be had.
 pub mod threads;
 
@@ -24,6 +27,6 @@ mod files;
 // Checkpoints: parts of long work are kept on the disk as they are done.
 pub mod checkpoint;
 
-pub use files::read_file;
+pub use files::{read_file, read_file_within};
 pub use kinds::Kind;
 pub use names::{listed, shortened};

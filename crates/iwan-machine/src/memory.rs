@@ -3,10 +3,12 @@
 use std::cell::Cell;
 use std::fmt;
 use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::Duration;
 
 use sysinfo::{MemoryRefreshKind, ProcessRefreshKind, ProcessesToUpdate, System};
 
-use crate::threads::at_once;
+use crate::address_space::address_space;
+use crate::threads::{at_once, begin};
 
 /// The limit that the user sets for this process, bytes. Memory belongs to the process as a whole, so one static value holds for all of its
 /// threads.
@@ -165,15 +167,52 @@ fn own(system: &mut System) -> (u64, u64) {
     system.process(me).map_or((0, 0), |own| (own.memory(), own.virtual_memory()))
 }
 
-#[cfg(unix)]
-fn address_space() -> u64 {
-    use rustix::process::{Resource, getrlimit};
-    getrlimit(Resource::As).current.unwrap_or(u64::MAX)
+/// Time between two looks at the memory of this process: memory is filled at some 2 GB in a second, so that a limit is exceeded by some 40 MB
+/// at most before that is seen; a look takes a twentieth of a millisecond.
+const TICK: Duration = Duration::from_millis(20);
+
+/// Where a limit was set, calls `beyond` once this process holds more, for work that was not estimated, or not well. A thread of its own
+/// looks fifty times a second; where the system gives none, nobody looks.
+pub fn watch(beyond: impl Fn(Short) + Send + 'static) {
+    if limit() == u64::MAX {
+        return;
+    }
+    let look = move || {
+        let mut system = System::new();
+        loop {
+            let ((held, _), limit) = (own(&mut system), limit());
+            if held > limit {
+                let free = Free { bytes: limit, bound: Bound::Given };
+                let remedy = "allow more, or ask for less: a shorter record, fewer samples, modes or points";
+                beyond(Short { what: "what is computed".into(), needed: held, free, remedy: remedy.into() });
+                return;
+            }
+            std::thread::sleep(TICK);
+        }
+    };
+    drop(begin("memory", look));
 }
 
-#[cfg(not(unix))]
-fn address_space() -> u64 {
-    u64::MAX
+/// Least address space, bytes, in which a command can run: the program itself takes 40 MB, each of its threads 66 MB. With less, an allocation
+/// that cannot be refused in words would abort the process.
+const LEAST: u64 = 300_000_000;
+
+/// Asks whether there is room for a command at all, whatever it computes.
+///
+/// # Errors
+/// [`Short`] where `ulimit -v` leaves less than 300 MB of address space.
+pub fn ask_to_begin() -> Result<(), Short> {
+    let bytes = address_space();
+    if bytes >= LEAST {
+        return Ok(());
+    }
+    let remedy = "raise or lift ulimit -v; --memory bounds what is really taken".into();
+    Err(Short {
+        what: "any command".into(),
+        needed: LEAST,
+        free: Free { bytes, bound: Bound::Process },
+        remedy,
+    })
 }
 
 /// Whether a limit such as `ulimit -v` bounds the address space that this process may reserve. Kernels of dense matrices reserve twice the

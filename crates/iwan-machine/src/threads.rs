@@ -8,13 +8,27 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::Builder;
 
-/// Number of threads that the system runs at once; one where it does not say.
+use crate::address_space::address_space;
+
+/// Address space, bytes, below which work is done on one thread.
+const ROOMY: u64 = 4 << 30;
+
+/// Whether the calling thread does better alone: a thread that starts without room for its signal stack aborts the process.
+fn is_crowded() -> bool {
+    address_space() < ROOMY
+}
+
+/// Number of threads that the system runs at once; one where it does not say, and where `ulimit -v` leaves less than 4 GB of address space: each
+/// thread reserves room for its stack, its share of the allocator and the kernels of dense matrices, hundreds of megabytes that it hardly uses.
 ///
 /// ```
 /// assert!(iwan_machine::threads::at_once() >= 1);
 /// ```
 #[must_use]
 pub fn at_once() -> usize {
+    if is_crowded() {
+        return 1;
+    }
     std::thread::available_parallelism().map_or(1, NonZeroUsize::get)
 }
 
@@ -30,7 +44,8 @@ pub fn at_once() -> usize {
 pub fn together<R: Send>(threads: usize, work: &(dyn Fn() -> R + Sync)) -> Vec<R> {
     std::thread::scope(|scope| {
         let helper = |_| Builder::new().spawn_scoped(scope, work).ok();
-        let helpers: Vec<_> = (1..threads).map_while(helper).collect();
+        let wanted = if is_crowded() { 1 } else { threads };
+        let helpers: Vec<_> = (1..wanted).map_while(helper).collect();
         let mut results = vec![work()];
         for helper in helpers {
             match helper.join() {
@@ -71,6 +86,9 @@ pub fn in_parallel<I: Sync, R: Send>(items: &[I], threads: usize, work: &(dyn Fn
 /// assert_eq!(iwan_machine::threads::both(&|| 6 * 7, &|| "x"), (42, "x"));
 /// ```
 pub fn both<A, B: Send>(first: &dyn Fn() -> A, second: &(dyn Fn() -> B + Sync)) -> (A, B) {
+    if is_crowded() {
+        return (first(), second());
+    }
     std::thread::scope(|scope| {
         let Ok(other) = Builder::new().spawn_scoped(scope, second) else { return (first(), second()) };
         let first = first();

@@ -48,6 +48,9 @@ pub enum Error {
         /// Why.
         source: iwan_ident::Error,
     },
+    /// Memory is lacking.
+    #[error(transparent)]
+    Memory(#[from] iwan_machine::memory::Short),
 }
 
 impl Error {
@@ -59,6 +62,7 @@ impl Error {
             Self::NotFinite { .. } => Kind::NotFinite,
             Self::Refused { .. } => Kind::Refused,
             Self::Record { source, .. } => source.kind(),
+            Self::Memory(_) => Kind::Memory,
         }
     }
 }

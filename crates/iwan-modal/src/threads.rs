@@ -1,13 +1,15 @@
 //! The number of threads on which the methods work.
 
+use rayon::ThreadPoolBuilder;
 use rayon::prelude::*;
 
 use crate::error::{Error, check};
 
-/// Does `work` on `threads` threads, which end when it is done; the result has the same bits for any number of threads.
+/// Does `work` on `threads` threads, which end when it is done; the result has the same bits for any number of threads. Where the system
+/// gives no thread the calling thread does all of it.
 ///
 /// # Errors
-/// [`Error::OutOfRange`] for 0 threads; [`Error::Refused`] where the system gives none.
+/// [`Error::OutOfRange`] for 0 threads.
 ///
 /// ```
 /// assert_eq!(iwan_modal::on_threads(2, || 6 * 7)?, 42);
@@ -17,10 +19,14 @@ use crate::error::{Error, check};
 pub fn on_threads<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> Result<T, Error> {
     let remedy = "ask for fewer threads, 1 at least";
     check("threads", threads as f64, threads > 0, "1 or more", remedy)?;
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
-    let pool =
-        pool.map_err(|e| Error::refused("threads", format!("{threads} could not be started: {e}"), remedy))?;
-    Ok(pool.install(work))
+    if let Ok(pool) = ThreadPoolBuilder::new().num_threads(threads).build() {
+        return Ok(pool.install(work));
+    }
+    // From here on this thread is a pool of its own, in which Rayon starts no other; if it is one already, that is what is needed.
+    let alone = ThreadPoolBuilder::new().num_threads(1).use_current_thread().build();
+    let result = work();
+    drop(alone);
+    Ok(result)
 }
 
 /// Does `work` on every item, on the threads of [`on_threads`] if called from there; the results are in the order of the items.

@@ -1,5 +1,7 @@
 //! The result of a simulation.
 
+use std::collections::HashMap;
+
 use iwan_core::{EnergyBalance, Samples};
 
 use crate::mode::Mode;
@@ -173,10 +175,11 @@ impl Totals {
 #[must_use]
 pub fn superpose(modes: &[Mode], responses: &[Response]) -> Vec<(String, [Vec<f64>; 3])> {
     let mut points: Vec<(String, [Vec<f64>; 3])> = Vec::new();
+    let mut places = HashMap::new();
     for (mode, response) in modes.iter().zip(responses) {
         let modal = [&response.displacement, &response.velocity, &response.acceleration];
         for point in &mode.outputs {
-            let index = points.iter().position(|(name, _)| *name == point.name).unwrap_or_else(|| {
+            let index = *places.entry(point.name.as_str()).or_insert_with(|| {
                 points.push((point.name.clone(), modal.map(|samples| vec![0.0; samples.len()])));
                 points.len() - 1
             });

@@ -7,7 +7,7 @@ use iwan_input::{InputText, StructureFile, is_structure};
 use iwan_sim::BackbonePoint;
 
 use super::args::BackboneArgs;
-use super::curves::{Traced, harmonics, trace};
+use super::curves::{Traced, ask, harmonics, trace};
 use super::report;
 use super::structure::{self, OnStructure};
 use super::summary::BackboneSummary;
@@ -26,6 +26,7 @@ pub(crate) fn run(args: &BackboneArgs) -> Result<(), Failure> {
     };
     let task = Task::read(&source)?;
     let highest = harmonics(args, &task.scenario)?;
+    ask(&source.name, args.points, task.scenario.modes.len().max(1), highest)?;
     let mut session = Session::open(args.place(), &args.common, [TABLE, SUMMARY, PAGE])?;
     let clock = Instant::now();
     let title = task.scenario.title.clone().unwrap_or_else(|| source.name.clone());

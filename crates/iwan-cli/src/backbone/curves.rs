@@ -2,6 +2,7 @@
 
 use iwan_core::{Backbone, Harmonics};
 use iwan_input::scenario::SteadyScenario;
+use iwan_machine::memory;
 use iwan_sim::{JointedModes, Mode, NonlinearMode, SimulationError, backbone, in_parallel, nonlinear_mode};
 
 use super::args::BackboneArgs;
@@ -31,6 +32,15 @@ pub(super) fn harmonics(args: &BackboneArgs, scenario: &SteadyScenario) -> Resul
     Harmonics::odd(highest)
         .map_err(|error| Failure::input(format!("--harmonics: {error}"), "give an odd number"))?;
     Ok(highest)
+}
+
+/// Asks for the memory of the backbones of `modes` modes, with their table and their page: 300,000 points without harmonics took 280 bytes each,
+/// and each further harmonic adds its numbers here and in the table.
+pub(super) fn ask(name: &str, points: u32, modes: usize, highest: usize) -> Result<(), Failure> {
+    let points = u64::from(points).saturating_mul(modes as u64);
+    let bytes = points.saturating_mul(300 + 40 * (highest as u64 / 2));
+    memory::ask(format!("{name}: {points} points of backbones"), bytes, "take fewer with --points")
+        .map_err(Failure::from)
 }
 
 /// The backbones of all modes.

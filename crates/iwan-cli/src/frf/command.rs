@@ -9,7 +9,7 @@ use iwan_sim::SteadyPoint;
 use super::args::FrfArgs;
 use super::coupled;
 use super::report;
-use super::responses::{Response, respond};
+use super::responses::{Response, ask, respond};
 use super::structure;
 use super::summary::FrfSummary;
 use crate::args::Format;
@@ -32,6 +32,7 @@ pub(crate) fn run(args: &FrfArgs) -> Result<(), Failure> {
         let message = format!("{}: the table [sweep] is missing", source.name);
         return Err(Failure::input(message, "add [sweep] with from, to (Hz) and force = [LEVEL, ...]"));
     };
+    ask(&source.name, &table.sweep, scenario.modes.len().max(1))?;
     let mut session = Session::open(args.place(), &args.common, [TABLE, SUMMARY, PAGE])?;
     let clock = Instant::now();
     let (responses, notes) = match &scenario.structure {

@@ -3,6 +3,7 @@
 use std::f64::consts::TAU;
 
 use iwan_input::scenario::{SteadyScenario, SweepTable};
+use iwan_machine::memory;
 use iwan_sim::{Mode, SharedLaw, SimulationError, SteadyCurve, Sweep, forced_response, in_parallel};
 
 use super::loops::{self, Loop};
@@ -22,6 +23,16 @@ pub(crate) struct Response {
     pub(crate) backbones: Vec<Vec<(f64, f64)>>,
     /// Hysteresis loops of the joints at the peaks of the curves.
     pub(crate) loops: Vec<Loop>,
+}
+
+/// Asks for the memory of `curves` curves for each level of the sweep, with their table and their page, before any of them is computed. Two
+/// million points without harmonics took 190 bytes each, and each further harmonic adds its numbers here and in the table.
+pub(super) fn ask(name: &str, sweep: &Sweep, curves: usize) -> Result<(), Failure> {
+    let points =
+        (sweep.points as u64).saturating_mul(sweep.levels.len() as u64).saturating_mul(curves as u64);
+    let bytes = points.saturating_mul(200 + 40 * (sweep.harmonics as u64 / 2));
+    let remedy = "take fewer points, levels or harmonics in [sweep]";
+    memory::ask(format!("{name}: {points} points of steady responses"), bytes, remedy).map_err(Failure::from)
 }
 
 /// The curves of all levels, computed in parallel, one task per level.

@@ -1,11 +1,11 @@
 //! All files of a test together: one kind of motion for all sensors, the table's entries, hits that are left out.
 
-use iwan_machine::listed;
 use std::path::{Path, PathBuf};
 
 use iwan_input::{ModalTable, Role};
 use iwan_io::{Quantity, UffFunction};
 use iwan_machine::threads::in_parallel;
+use iwan_machine::{listed, memory};
 use iwan_modal::measure::{Channel, Motion as Sensed};
 
 use super::args::ModalArgs;
@@ -63,7 +63,20 @@ impl Test {
             return Err(Failure::input(message, "give either of them"));
         }
         test.leave_out(&args.leave_out)?;
+        test.ask()?;
         Ok(test)
+    }
+
+    /// Asks for the memory of the transforms of all hits and of what is drawn of them.
+    fn ask(&self) -> Result<(), Failure> {
+        /// Memory in bytes that a sample of a hit takes: 41 to 80 were measured, with the modes of a few responses.
+        const SAMPLE: u64 = 100;
+        let of_hits = self.hits.iter().flat_map(|hit| &hit.hit.responses);
+        let of_decays = self.decays.iter().flat_map(|decay| &decay.2);
+        let samples = of_hits.chain(of_decays).map(|channel| channel.samples.len() as u64).sum::<u64>();
+        let remedy = "give fewer hits or channels, or shorter records";
+        memory::ask(format!("the analysis of {samples} samples"), samples.saturating_mul(SAMPLE), remedy)
+            .map_err(Failure::from)
     }
 
     fn add(

@@ -104,6 +104,13 @@ fn supernodes(symbolic: &SymbolicCholesky<u32>) -> &SymbolicSupernodalCholesky<u
     supernodes
 }
 
+/// Room for the entries of a factor.
+fn zeros(symbolic: &SymbolicCholesky<u32>) -> Result<Vec<f64>, Error> {
+    let (what, remedy) = ("the factor of a matrix", "take a coarser mesh, or a machine with more memory");
+    ask(what, size_of::<f64>() as u64 * symbolic.len_val() as u64, remedy)?;
+    Ok(vec![0.0; symbolic.len_val()])
+}
+
 /// A = L Lᵀ of a positive definite matrix.
 #[derive(Debug)]
 pub(crate) struct Cholesky {
@@ -120,9 +127,7 @@ impl Cholesky {
 
     fn with(analysis: &Analysis, matrix: &Symmetric, workers: &Workers) -> Result<Self, Error> {
         let symbolic = Arc::clone(&analysis.symbolic);
-        let (what, remedy) = ("the factor of a matrix", "take a coarser mesh, or a machine with more memory");
-        ask(what, size_of::<f64>() as u64 * symbolic.len_val() as u64, remedy)?;
-        let mut values = vec![0.0; symbolic.len_val()];
+        let mut values = zeros(&symbolic)?;
         let none = llt::factor::LltRegularization::default();
         let spec = Spec::default();
         workers.run(|par| {
@@ -184,10 +189,11 @@ impl Cholesky {
 /// The factorisation does not pivot. The probe refuses a factor that has lost its digits, and the caller then moves its shift.
 pub(crate) fn negative_eigenvalues(analysis: &Analysis, matrix: &Symmetric) -> Result<usize, Error> {
     let symbolic = &analysis.symbolic;
-    let mut values = vec![0.0; symbolic.len_val()];
+    let workers = Workers::for_entries(symbolic.len_val())?;
+    let mut values = zeros(symbolic)?;
     let none = ldlt::factor::LdltRegularization::default();
     let spec = Spec::default();
-    Workers::for_entries(values.len())?.run(|par| {
+    workers.run(|par| {
         let mut buffer = memory(symbolic.factorize_numeric_ldlt_scratch::<f64>(par, spec))?;
         let stack = MemStack::new(&mut buffer);
         symbolic

@@ -3,8 +3,10 @@
 //! How work is divided depends on its size alone, and no sum is divided: each entry of a product is summed by one thread, in the order in
 //! which a single thread would sum it. The threads end with the work, so that no process forks while threads of a pool exist.
 
-use faer::Par;
-use iwan_machine::memory::ask_for_kernels;
+use faer::linalg::matmul::matmul;
+use faer::{Accum, Mat, Par};
+use iwan_machine::memory::{ask_for_kernels, is_address_space_bounded};
+use iwan_machine::threads::at_once;
 
 use crate::error::Error;
 
@@ -19,16 +21,32 @@ pub(crate) struct Workers {
     pool: Option<rayon::ThreadPool>,
 }
 
+/// Makes the kernels reserve their address space on this thread now, by a product that is just large enough for them. Whoever asks for memory
+/// afterwards is told what is left; otherwise a factor that seemed to fit aborted the process when the kernels came to their share.
+fn reserve() {
+    let a = Mat::<f64>::identity(64, 64);
+    let mut product = Mat::<f64>::zeros(64, 64);
+    matmul(&mut product, Accum::Replace, &a, &a, 1.0, Par::Seq);
+}
+
 impl Workers {
     /// The threads for work with a factor of this many entries: as many threads as cores, or as many as RAYON_NUM_THREADS says.
     ///
     /// # Errors
     /// An error if there is too little address space for what the kernels reserve on each thread.
     pub(crate) fn for_entries(entries: usize) -> Result<Self, Error> {
-        let pool = (entries >= LARGE).then(|| rayon::ThreadPoolBuilder::new().build());
+        // Where address space is scarce there is no room for the kernels of several threads.
+        let many = entries >= LARGE && at_once() > 1;
+        let pool = many.then(|| rayon::ThreadPoolBuilder::new().build());
         // If no thread can be created, the work is done on the calling thread.
         let pool = pool.and_then(Result::ok);
         ask_for_kernels(pool.as_ref().map_or(0, rayon::ThreadPool::current_num_threads))?;
+        if is_address_space_bounded() {
+            match &pool {
+                Some(pool) => drop(pool.broadcast(|_| reserve())),
+                None => reserve(),
+            }
+        }
         Ok(Self { pool })
     }
 

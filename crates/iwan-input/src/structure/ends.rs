@@ -1,5 +1,7 @@
 //! `[[support]]`, `[[lump]]`, `[[load]]` and `[[output]]`: supports, lumped masses and springs, points of forces, and points of responses.
 
+use std::collections::BTreeSet;
+
 use iwan_fem::mesh::Mesh;
 use iwan_fem::{Assembled, Lump, Structure, Support};
 
@@ -117,14 +119,13 @@ fn each<T>(
     source: &InputText,
     top: &Section<'_>,
     (word, keys): (&str, &[&str]),
-    name_of: impl Fn(&T) -> &str,
     mut read: impl FnMut(&Section<'_>, String) -> Result<T, InputError>,
 ) -> Result<Vec<T>, InputError> {
-    let mut all: Vec<T> = Vec::new();
+    let (mut all, mut names) = (Vec::new(), BTreeSet::new());
     for (index, place) in top.tables(word)?.into_iter().enumerate() {
         let section = Section::new(source, format!("{word} {}", index + 1), place, keys)?;
-        let taken = |given: &str| all.iter().any(|other| name_of(other) == given);
-        let (section, name) = name(section, word, taken)?;
+        let (section, name) = name(section, word, |given| names.contains(given))?;
+        names.insert(name.clone());
         all.push(read(&section, name)?);
     }
     Ok(all)
@@ -135,51 +136,39 @@ pub(super) fn supports(
     top: &Section<'_>,
     mesh: &Mesh,
 ) -> Result<Vec<Support>, InputError> {
-    each(
-        source,
-        top,
-        ("support", SUPPORT_KEYS),
-        |s: &Support| &s.name,
-        |section, name| {
-            let mut fixed = [false; 3];
-            for axis in section.texts("fixed")? {
-                let Some(axis) = ["x", "y", "z"].iter().position(|known| *known == axis) else {
-                    let message = format!("fixed: \"{axis}\" is not known");
-                    return Err(section.failure("fixed", &message, "choose from \"x\", \"y\", \"z\""));
-                };
-                fixed[axis] = true;
-            }
-            if fixed == [false; 3] {
-                return Err(section.failure(
-                    "fixed",
-                    "it fixes no direction",
-                    "name at least one of \"x\", \"y\", \"z\"",
-                ));
-            }
-            Ok(Support { name, nodes: known(section, "nodes", "node", &mesh.node_sets)?, fixed })
-        },
-    )
+    each(source, top, ("support", SUPPORT_KEYS), |section, name| {
+        let mut fixed = [false; 3];
+        for axis in section.texts("fixed")? {
+            let Some(axis) = ["x", "y", "z"].iter().position(|known| *known == axis) else {
+                let message = format!("fixed: \"{axis}\" is not known");
+                return Err(section.failure("fixed", &message, "choose from \"x\", \"y\", \"z\""));
+            };
+            fixed[axis] = true;
+        }
+        if fixed == [false; 3] {
+            return Err(section.failure(
+                "fixed",
+                "it fixes no direction",
+                "name at least one of \"x\", \"y\", \"z\"",
+            ));
+        }
+        Ok(Support { name, nodes: known(section, "nodes", "node", &mesh.node_sets)?, fixed })
+    })
 }
 
 pub(super) fn lumps(source: &InputText, top: &Section<'_>, mesh: &Mesh) -> Result<Vec<Lump>, InputError> {
-    each(
-        source,
-        top,
-        ("lump", LUMP_KEYS),
-        |l: &Lump| &l.name,
-        |section, name| {
-            let mass = section.number_or("mass", 0.0)?;
-            let stiffness = if section.has("stiffness") { triple(section, "stiffness")? } else { [0.0; 3] };
-            for (key, value) in [("mass", mass)].into_iter().chain(stiffness.map(|k| ("stiffness", k))) {
-                if !(value.is_finite() && value >= 0.0) {
-                    let message =
-                        format!("{key} = {} is out of range: must be a finite number >= 0", plain(value));
-                    return Err(section.failure(key, &message, &format!("give {key} a value >= 0")));
-                }
+    each(source, top, ("lump", LUMP_KEYS), |section, name| {
+        let mass = section.number_or("mass", 0.0)?;
+        let stiffness = if section.has("stiffness") { triple(section, "stiffness")? } else { [0.0; 3] };
+        for (key, value) in [("mass", mass)].into_iter().chain(stiffness.map(|k| ("stiffness", k))) {
+            if !(value.is_finite() && value >= 0.0) {
+                let message =
+                    format!("{key} = {} is out of range: must be a finite number >= 0", plain(value));
+                return Err(section.failure(key, &message, &format!("give {key} a value >= 0")));
             }
-            Ok(Lump { name, nodes: known(section, "nodes", "node", &mesh.node_sets)?, mass, stiffness })
-        },
-    )
+        }
+        Ok(Lump { name, nodes: known(section, "nodes", "node", &mesh.node_sets)?, mass, stiffness })
+    })
 }
 
 pub(super) fn loads(
@@ -187,24 +176,18 @@ pub(super) fn loads(
     top: &Section<'_>,
     structure: &Structure,
 ) -> Result<Vec<Load>, InputError> {
-    each(
-        source,
-        top,
-        ("load", LOAD_KEYS),
-        |l: &Load| &l.name,
-        |section, name| {
-            let factor = section.number_or("factor", 1.0)?;
-            if !factor.is_finite() {
-                let message = format!("factor = {factor} is out of range: must be a finite number");
-                return Err(section.failure(
-                    "factor",
-                    &message,
-                    "leave it out for the force of the scenario itself",
-                ));
-            }
-            Ok(Load { name, at: Point::read(source, section, structure)?, factor })
-        },
-    )
+    each(source, top, ("load", LOAD_KEYS), |section, name| {
+        let factor = section.number_or("factor", 1.0)?;
+        if !factor.is_finite() {
+            let message = format!("factor = {factor} is out of range: must be a finite number");
+            return Err(section.failure(
+                "factor",
+                &message,
+                "leave it out for the force of the scenario itself",
+            ));
+        }
+        Ok(Load { name, at: Point::read(source, section, structure)?, factor })
+    })
 }
 
 pub(super) fn outputs(
@@ -212,11 +195,7 @@ pub(super) fn outputs(
     top: &Section<'_>,
     structure: &Structure,
 ) -> Result<Vec<Output>, InputError> {
-    each(
-        source,
-        top,
-        ("output", OUTPUT_KEYS),
-        |o: &Output| &o.name,
-        |section, name| Ok(Output { name, at: Point::read(source, section, structure)? }),
-    )
+    each(source, top, ("output", OUTPUT_KEYS), |section, name| {
+        Ok(Output { name, at: Point::read(source, section, structure)? })
+    })
 }

@@ -1,5 +1,6 @@
 //! `[[joint]]` and `[[tie]]` of a structure file.
 
+use std::collections::BTreeSet;
 use std::fmt;
 use std::sync::Arc;
 
@@ -36,7 +37,7 @@ pub(super) fn read(
     top: &Section<'_>,
     mesh: &Mesh,
 ) -> Result<(Vec<Joint>, Vec<StructureLaw>), InputError> {
-    let (mut joints, mut laws): (Vec<Joint>, _) = (Vec::new(), Vec::new());
+    let (mut joints, mut names, mut laws) = (Vec::new(), BTreeSet::new(), Vec::new());
     for (word, keys) in [("joint", JOINT_KEYS), ("tie", TIE_KEYS)] {
         for (index, place) in top.tables(word)?.into_iter().enumerate() {
             let section = Section::new(source, format!("{word} {}", index + 1), place, keys)?;
@@ -53,8 +54,8 @@ pub(super) fn read(
                     "remove it, or name the matrix with relative = \"FILE\"",
                 ));
             }
-            let taken = |given: &str| joints.iter().any(|joint| joint.name == given);
-            let (section, name) = name(section, word, taken)?;
+            let (section, name) = name(section, word, |given| names.contains(given))?;
+            names.insert(name.clone());
             let face = known(&section, "face", "node", &mesh.node_sets)?;
             let patch = known(&section, "patch", "node", &mesh.node_sets)?;
             // A tie without directions of its own would tie nothing, so "directions", the last of `MOTIONS`, is for joints only.

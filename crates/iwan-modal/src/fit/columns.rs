@@ -1,10 +1,12 @@
 //! Contributions of modes, inside and outside the band, to responses: columns of a real least-squares problem.
 
+use iwan_machine::memory::ask;
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
 use super::band::Band;
 use super::outside::OUTSIDE;
+use crate::error::Error;
 use crate::number::{Complex, I};
 
 /// The columns of a set of poles in a band: weighted, with real parts above imaginary parts.
@@ -17,10 +19,17 @@ pub(super) struct Columns {
 
 impl Columns {
     /// Columns for `poles` (1/s, upper half plane); `slopes` adds their derivatives with respect to the poles.
-    pub(super) fn new(band: &Band, poles: &[Complex], slopes: bool) -> Self {
+    ///
+    /// # Errors
+    /// [`Error::Memory`] where there is too little for them, for their transpose, and for those of the poles before.
+    pub(super) fn new(band: &Band, poles: &[Complex], slopes: bool) -> Result<Self, Error> {
         let (rows, n) = (2 * band.lines(), poles.len());
         let (own, around) = (2 * n * rows, 2 * OUTSIDE * rows);
-        let mut values = vec![0.0; own + around + if slopes { own } else { 0 }];
+        let numbers = own + around + if slopes { own } else { 0 };
+        let what = format!("a fit of {n} modes to {} lines", band.lines());
+        let remedy = "fit a narrower band, or take shorter records";
+        ask(what, 3 * (numbers * size_of::<f64>()) as u64, remedy)?;
+        let mut values = vec![0.0; numbers];
         let (sought, derivatives) = values.split_at_mut(own + around);
         let (of_poles, outside) = sought.split_at_mut(own);
         outside.copy_from_slice(&band.outside);
@@ -28,7 +37,7 @@ impl Columns {
         let mut pairs: Vec<[&mut [f64]; 2]> =
             of_poles.chunks_mut(2 * rows).map(|v| [v, derivatives.next().unwrap_or_default()]).collect();
         pairs.par_iter_mut().zip(poles).for_each(|([value, slope], pole)| mode(band, *pole, value, slope));
-        Self { poles: n, matrix: DMatrix::from_vec(rows, values.len() / rows, values) }
+        Ok(Self { poles: n, matrix: DMatrix::from_vec(rows, values.len() / rows, values) })
     }
 
     /// Number of columns whose coefficients are sought: all but the derivatives.

@@ -45,7 +45,7 @@ pub(super) struct Slopes {
 impl Linear {
     /// Least squares for `poles` in a band.
     pub(crate) fn new(band: &Band, poles: &[Complex], slopes: bool) -> Result<Self, Error> {
-        let columns = Columns::new(band, poles, slopes);
+        let columns = Columns::new(band, poles, slopes)?;
         let n = columns.linear();
         let x = &columns.matrix;
         let m = x.ncols() - n;
@@ -203,7 +203,7 @@ mod tests {
             let poles = [complex(-1.0, 300.0), complex(-2.0, 303.0), complex(-5.0, 306.0)];
             let found = Linear::new(&band, &poles, true).unwrap();
             let slopes = found.slopes.as_ref().unwrap();
-            let columns = Columns::new(&band, &poles, true);
+            let columns = Columns::new(&band, &poles, true).unwrap();
             let n = columns.linear();
             let sought = columns.matrix.columns(0, n).into_owned();
             // By orthogonal triangles, which square nothing.

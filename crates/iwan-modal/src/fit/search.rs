@@ -89,7 +89,7 @@ impl Fitted {
         let mut linear = Linear::new(band, &poles, true)?;
         let mut noise = band.noise();
         for (steps, still) in rounds {
-            (poles, linear) = search(band, poles, linear, &noise, (*steps, *still));
+            (poles, linear) = search(band, poles, linear, &noise, (*steps, *still))?;
             noise = left_over(band, &linear);
         }
         if !poles.is_sorted_by(|a, b| a.im <= b.im) {
@@ -145,9 +145,9 @@ fn search(
     mut linear: Linear,
     noise: &[f64],
     (steps, still): (usize, f64),
-) -> (Vec<Complex>, Linear) {
+) -> Result<(Vec<Complex>, Linear), Error> {
     if poles.is_empty() {
-        return (poles, linear);
+        return Ok((poles, linear));
     }
     let precision: Vec<f64> = noise.iter().map(|v| v.recip()).collect();
     let mut damping = 1e-4;
@@ -163,10 +163,14 @@ fn search(
             };
             let moved = moved(&poles, &step);
             let largest = furthest(&poles, &moved);
-            // Where a step brings two poles onto each other, or one away from the lines, a shorter step is tried.
-            let Ok(tried) = Linear::new(band, &moved, true) else {
-                damping *= 10.0;
-                continue;
+            let tried = match Linear::new(band, &moved, true) {
+                Ok(tried) => tried,
+                Err(lacking @ Error::Memory(_)) => return Err(lacking),
+                // Where a step brings two poles onto each other, or one away from the lines, a shorter step is tried.
+                Err(_) => {
+                    damping *= 10.0;
+                    continue;
+                }
             };
             if cost(&tried, &precision) <= before * (1.0 + NO_HIGHER) {
                 better = Some((moved, tried, largest));
@@ -184,7 +188,7 @@ fn search(
             break;
         }
     }
-    (poles, linear)
+    Ok((poles, linear))
 }
 
 fn step(matrix: &DMatrix<f64>, gradient: &DVector<f64>, damping: f64) -> Option<DVector<f64>> {

@@ -73,7 +73,7 @@ impl Laboratory {
         let tally = Tally::new(observer, 1 + HITS.len());
         let bench = Bench::new()?;
         let said = Error::identification("laboratory");
-        let test = ModalTest::new(&bench)?;
+        let test = ModalTest::new(&bench, threads)?;
         tally.add(1)?;
         let shapes: Vec<Vec<f64>> = test.bending.iter().map(|found| found.shape.clone()).collect();
         let filter = ModalFilter::new(&shapes).map_err(&said)?;

@@ -5,7 +5,7 @@ use iwan_core::Pulse;
 use iwan_modal::measure::{Channel, Freedom, Hit, Motion};
 use iwan_modal::modes::{Mode, mac};
 use iwan_modal::responses::{Estimator, FrequencyResponses, Windows, frequency_responses};
-use iwan_modal::{Analysis, Complex, ModalFit, early_decay, modal_fit};
+use iwan_modal::{Analysis, Complex, ModalFit, early_decay, modal_fit, on_threads};
 
 use super::bench::{Bench, HAMMER, HITS, RATE, SENSORS};
 use super::noise::Noise;
@@ -53,9 +53,11 @@ pub struct FoundMode {
 }
 
 impl ModalTest {
-    /// Computes hits on the beam of a bench and identifies its modes.
-    pub(super) fn new(bench: &Bench) -> Result<Self, Error> {
-        Self::of_hits(&hits(bench)?, bench).map_err(Error::modal("laboratory, modal test"))
+    /// Computes hits on the beam of a bench and identifies its modes, on up to `threads` threads.
+    pub(super) fn new(bench: &Bench, threads: usize) -> Result<Self, Error> {
+        let hits = hits(bench)?;
+        let test = on_threads(threads, || Self::of_hits(&hits, bench)).and_then(|test| test);
+        test.map_err(Error::modal("laboratory, modal test"))
     }
 
     /// Number of hits that were averaged.
