@@ -1,11 +1,14 @@
 //! Printed errors beside true ones, where they were too small or far too large: forces from files whose samples do not lie on the steps, sliders under a random
-//! force, forces that end on a sample, the half-cycle map on a density with corners, modes that share a joint. References: the continuum at a fortieth of the step, at two steps extrapolated.
+//! force, forces that end on a sample, the half-cycle map on a density with corners, modes that share a joint, averaging at coarse samples. References: the continuum at a fortieth of the step, at two steps extrapolated.
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a failed test may panic and say why")]
 
 use iwan_core::progress::UNWATCHED;
-use iwan_core::{FourParameter, Motion, Pulse, Representation, SplitMix64};
+use iwan_core::{
+    Coulomb, FourParameter, Motion, Part, PowerDamping, PowerSpring, Pulse, Representation, SplitMix64,
+};
 use iwan_sim::{
-    CoupledResponse, JointLaw, Method, Mode, Response, Settings, SharedJoint, simulate, simulate_coupled,
+    CoupledResponse, Curves, JointLaw, Method, Mode, Response, Settings, SharedJoint, simulate,
+    simulate_coupled,
 };
 
 /// Most times that an error may be larger than it is said to be, or smaller.
@@ -188,5 +191,34 @@ fn the_half_cycle_map_on_a_density_with_corners_and_far_in_macro_slip() {
         let settings = Settings { method: Method::HalfCycle, ..Settings::new(dt, duration) };
         let response = simulate(&mode, &Pulse::None, &settings).unwrap();
         hold(&format!("{}, {start}", mode.name), error(&response, &exact), told(&response));
+    }
+}
+
+/// Averaging was compared with time steps at the sampling interval, whose own error was told as that of averaging: up to 113 times too much.
+#[test]
+fn averaging_at_coarse_samples() {
+    let blow = Pulse::Haversine { amplitude: 100.0, duration: 1.6e-3 };
+    let with = |parts: Vec<Part>| Mode { parts, ..mode() };
+    let damper = PowerDamping::new(0.05, 2.0).unwrap().into();
+    let (spring, friction) = (PowerSpring::new(3e8, 3.0).unwrap().into(), Coulomb::new(0.05).unwrap().into());
+    let linear = Mode { joint: None, ..with(vec![damper]) };
+    let (frequency, damping) = (vec![124.0, 123.9, 123.4, 121.0], vec![5e-4, 6e-4, 1.5e-3, 4e-3]);
+    let curves = Curves::new(vec![1e-6, 1e-5, 1e-4, 1e-3], frequency, damping).unwrap();
+    let cases = [
+        ("damper", linear),
+        ("damper beside a joint", with(vec![damper])),
+        ("spring", with(vec![spring])),
+        ("dry friction", with(vec![friction])),
+        ("curves", Mode::by_curves("curves", curves)),
+    ];
+    for (name, mode) in cases {
+        for per_cycle in [4.0, 9.0, 30.0, 100.0] {
+            let (dt, duration) = (1.0 / (124.0 * per_cycle), 0.2);
+            let parts = 40 * (100.0 / per_cycle) as usize;
+            let exact = reference_in(parts, &mode, &blow, [dt, duration]);
+            let settings = Settings { method: Method::Averaging, ..Settings::new(dt, duration) };
+            let response = simulate(&mode, &blow, &settings).unwrap();
+            hold(&format!("{name}, {per_cycle} samples a cycle"), error(&response, &exact), told(&response));
+        }
     }
 }
