@@ -81,14 +81,17 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> u8 {
         Ok(cli) => cli,
         Err(error) => {
             // Help and version go to stdout with code 0, usage errors to stderr with code 2.
-            let _ = error.print();
-            let code = u8::try_from(error.exit_code()).unwrap_or(2);
-            if json && code != 0 {
-                let text = error.to_string();
+            if !error.use_stderr() {
+                let _ = error.print();
+                return 0;
+            }
+            let text = error.to_string();
+            output::message(text.trim_end());
+            if json {
                 let message = text.strip_prefix("error: ").unwrap_or(&text).trim_end();
                 told(&Failure::input(message, "").of(Kind::Usage));
             }
-            return code;
+            return 2;
         }
     };
     progress::begun();

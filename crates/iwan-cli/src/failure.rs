@@ -9,6 +9,8 @@ use iwan_machine::Kind;
 use iwan_machine::memory::Short;
 use serde::Serialize;
 
+use crate::shown;
+
 /// Version of iwan, as results, pages and error messages carry it.
 pub(crate) const VERSION: &str = env!("CARGO_PKG_VERSION");
 
@@ -157,10 +159,7 @@ impl Failure {
         let (message, remedy) =
             text.split_once("\nremedy: ").or_else(|| text.split_once("; ")).unwrap_or((text, ""));
         let error = Error { kind: self.kind().name(), exit_code: self.code(), message, remedy };
-        // The object holds only numbers and texts, whose serialisation cannot fail.
-        let mut text = serde_json::to_string_pretty(&Told { version: VERSION, error }).unwrap_or_default();
-        text.push('\n');
-        text
+        shown::json(&Told { version: VERSION, error })
     }
 }
 

@@ -5,7 +5,8 @@
     reason = "numbers of samples, pixels and digits are small and not negative"
 )]
 
-// What everything stands on: how a command fails and what it prints, threads, progress and Ctrl-C.
+// What everything stands on: texts as they may be shown, how a command fails and what it prints, threads, progress and Ctrl-C.
+mod shown;
 mod failure;
 mod output;
 mod progress;

@@ -19,6 +19,7 @@ mod modal;
 mod modal_input;
 mod records;
 mod reproduce;
+mod shown;
 mod simulate;
 mod steady;
 mod stream;

@@ -104,9 +104,9 @@ impl ModalTable {
                     "give the factor from the file's samples to the unit wanted",
                 ));
             }
-            let name = section.text("name")?;
+            let name = section.name("name")?;
             table.channels.push(ChannelEntry {
-                point: section.optional_text("point")?.unwrap_or_else(|| name.clone()),
+                point: section.optional_name("point")?.unwrap_or_else(|| name.clone()),
                 name,
                 file: section.optional_text("file")?,
                 direction: section.optional_text("direction")?.unwrap_or_default(),
@@ -121,7 +121,7 @@ impl ModalTable {
                 let message = format!("position has {} numbers, not 3", numbers.len());
                 return Err(section.failure("position", &message, "give x, y and z"));
             };
-            table.points.push(PointEntry { name: section.text("name")?, position });
+            table.points.push(PointEntry { name: section.name("name")?, position });
         }
         for (n, place) in top.tables("line")?.into_iter().enumerate() {
             let section = Section::new(source, format!("line {}", n + 1), place, &["points"])?;

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use iwan_machine::Kind;
+use iwan_machine::{Kind, is_harmful};
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
@@ -277,6 +277,29 @@ impl<'a> Section<'a> {
     /// [`InputError`] with the place, what stands there and what helps.
     pub fn text(&self, key: &str) -> Result<String, InputError> {
         self.optional_text(key)?.ok_or_else(|| self.missing(key, &format!("add {key} = \"...\"")))
+    }
+
+    /// A name: a text that is not empty and has no character that does harm where it is shown; none where the key is missing.
+    ///
+    /// # Errors
+    /// [`InputError`] with the place, what stands there and what helps.
+    pub fn optional_name(&self, key: &str) -> Result<Option<String>, InputError> {
+        let name = self.optional_text(key)?;
+        match name {
+            Some(name) if name.trim().is_empty() || name.contains(is_harmful) => {
+                let message = format!("{key} is empty or has control characters");
+                Err(self.failure(key, &message, "give it a readable name"))
+            }
+            name => Ok(name),
+        }
+    }
+
+    /// A name that must be there.
+    ///
+    /// # Errors
+    /// [`InputError`] with the place, what stands there and what helps.
+    pub fn name(&self, key: &str) -> Result<String, InputError> {
+        self.optional_name(key)?.ok_or_else(|| self.missing(key, &format!("add {key} = \"...\"")))
     }
 
     /// The meaning of one of several words; none where the key is missing.

@@ -9,7 +9,7 @@
 // The kinds of error that all crates share: this crate is the lowest of those that read files.
 mod kinds;
 
-// Lists of names in messages.
+// Names in messages: lists of them, long ones, and those with characters that do harm.
 mod names;
 
 // Address space, of which threads and memory both take.
@@ -29,4 +29,4 @@ pub mod checkpoint;
 
 pub use files::{read_file, read_file_within};
 pub use kinds::Kind;
-pub use names::{listed, shortened};
+pub use names::{is_harmful, listed, plain, shortened};

@@ -1,4 +1,4 @@
-//! Lists of names in messages.
+//! Names in messages: lists of them, long ones, and those with characters that do harm.
 
 /// Largest number of names in a message; a list of more is longer than a screen, and the message says how many more there are.
 const SHOWN: usize = 20;
@@ -23,6 +23,29 @@ pub fn listed<N: AsRef<str>>(names: impl IntoIterator<Item = N>) -> String {
         (_, 0) => shown.join(", "),
         (_, more) => format!("{} and {more} more", shown.join(", ")),
     }
+}
+
+/// Whether a terminal obeys a character in place of showing it, or a reader is misled by it: control characters (of ASCII and of Unicode's
+/// second block, U+0080 to U+009F) and those that change the direction of writing, by which one name can be made to look like another
+/// (Unicode UAX 9).
+///
+/// ```
+/// assert!(iwan_machine::is_harmful('\u{1b}') && iwan_machine::is_harmful('\u{9b}') && iwan_machine::is_harmful('\u{202e}'));
+/// assert!(!iwan_machine::is_harmful('\u{e9}'));
+/// ```
+#[must_use]
+pub const fn is_harmful(character: char) -> bool {
+    matches!(character, '\0'..='\u{1f}' | '\u{7f}'..='\u{9f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
+}
+
+/// A name as it may be shown anywhere: U+FFFD stands for each [harmful](is_harmful) character.
+///
+/// ```
+/// assert_eq!(iwan_machine::plain("acc\u{1b}[2J\n"), "acc\u{fffd}[2J\u{fffd}");
+/// ```
+#[must_use]
+pub fn plain(name: &str) -> String {
+    name.replace(is_harmful, "\u{fffd}")
 }
 
 /// The first `most` characters of a text, for a message; `...` follows where the text is longer.

@@ -11,6 +11,7 @@ use super::args::FitArgs;
 use crate::failure::Failure;
 use crate::modal::{MODAL, SHAPES};
 use crate::records::Motion;
+use crate::shown;
 
 /// Mass-normalised shapes, one for each mode that `iwan modal` found.
 pub(super) struct MeasuredShapes(Vec<MeasuredShape>);
@@ -52,7 +53,7 @@ impl MeasuredShapes {
 /// Fills in the options that the user left open from the folder of `iwan modal`; returns the shapes.
 pub(super) fn over_from_modal(args: &mut FitArgs, folder: &Path) -> Result<MeasuredShapes, Failure> {
     let path = folder.join(MODAL);
-    let name = path.display().to_string();
+    let name = shown::path(&path);
     let wrong =
         |what: &str| Failure::input(format!("{name}: {what}"), "give the folder that `iwan modal` wrote");
     let bytes = iwan_machine::read_file(&path).map_err(|e| wrong(&format!("cannot be read: {e}")))?;

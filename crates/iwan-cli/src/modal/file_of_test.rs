@@ -13,6 +13,7 @@ use iwan_modal::measure::{Channel, Direction, Fault, Freedom, Hit, cut, faults};
 use super::args::ModalArgs;
 use super::geometry::is_universal;
 use crate::failure::Failure;
+use crate::shown;
 
 /// A hit with its faults.
 pub(super) struct JudgedHit {
@@ -54,7 +55,7 @@ pub(super) struct FileOfTest {
 impl FileOfTest {
     /// Reads a file, finds its hits and checks them for faults.
     pub(super) fn read(path: &Path, table: &ModalTable, args: &ModalArgs) -> Result<Self, Failure> {
-        let name = path.display().to_string();
+        let name = shown::path(path);
         let options = ReadOptions { time: args.time.clone(), rate: args.rate, ..ReadOptions::default() };
         let read = iwan_io::read_modal_test(path, &options).map_err(|e| Failure::read(&name, &e))?;
         let mut file = Self {

@@ -6,6 +6,7 @@ use iwan_input::{ModalTable, PointEntry};
 use iwan_io::{ROD, UffModel};
 
 use crate::failure::Failure;
+use crate::shown;
 
 /// Points with positions, and the lines and elements between them.
 #[derive(Debug, Clone, Default)]
@@ -48,7 +49,7 @@ impl Geometry {
 
     /// Adds the points of a universal file that are not known yet; returns messages on what was left out of the file.
     pub(super) fn add(&mut self, path: &Path, bytes: &[u8]) -> Result<Vec<String>, Failure> {
-        let name = path.display().to_string();
+        let name = shown::path(path);
         let model = iwan_io::uff_model(path, bytes).map_err(|e| Failure::said(&name, &e))?;
         for node in &model.nodes {
             let own = node.number.to_string();

@@ -13,6 +13,7 @@ use super::file_of_test::{FileOfTest, JudgedHit};
 use super::geometry::{Geometry, is_universal};
 use crate::failure::Failure;
 use crate::records::Motion;
+use crate::shown;
 
 /// The contents of all files.
 pub(super) struct Test {
@@ -157,7 +158,7 @@ impl Test {
             let file = entry.file.as_deref().unwrap_or("all files");
             let message = format!(
                 "{}: point {} is missing: no channel \"{}\" in {file}",
-                place.display(),
+                shown::path(place),
                 entry.point,
                 entry.name
             );

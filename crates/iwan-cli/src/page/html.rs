@@ -3,6 +3,7 @@
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 use super::figure::Figure;
+use crate::shown;
 
 /// A self-contained HTML page.
 pub(crate) fn page(title: &str, body: &Markup) -> String {
@@ -18,7 +19,7 @@ pub(crate) fn page(title: &str, body: &Markup) -> String {
             body { (body) }
         }
     };
-    page.into_string()
+    shown::harmless(&page.into_string()).into()
 }
 
 /// The warnings as a box; nothing where there are none.

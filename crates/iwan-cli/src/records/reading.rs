@@ -12,6 +12,7 @@ use iwan_machine::memory::ask;
 use super::args::{MethodChoice, Motion, RecordArgs};
 use super::shapes::Shapes;
 use crate::failure::Failure;
+use crate::shown;
 
 /// Memory in bytes that the analysis of a record takes per sample: measured 305, for the envelopes of a million samples by all methods.
 const ANALYSIS: u64 = 320;
@@ -50,7 +51,7 @@ pub(crate) struct Wanted {
 
 /// Reads one file as the options say.
 pub(crate) fn read(path: &Path, args: &RecordArgs) -> Result<Recording, Failure> {
-    let name = path.display().to_string();
+    let name = shown::path(path);
     let options = ReadOptions {
         format: None,
         time: args.time.clone(),

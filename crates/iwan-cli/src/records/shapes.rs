@@ -8,6 +8,7 @@ use iwan_io::write_uff::NodalValues;
 use iwan_modal::measure::Freedom;
 
 use crate::failure::Failure;
+use crate::shown;
 
 /// Name of the column with the frequencies of the modes.
 const FREQUENCY: &str = "frequency";
@@ -31,7 +32,7 @@ impl Shapes {
 
     /// Reads the columns that are called as the channels; in a file without names, the columns stand in the order of the channels.
     pub(super) fn read(path: &Path, channels: &[String]) -> Result<Self, Failure> {
-        let name = path.display().to_string();
+        let name = shown::path(path);
         if let Some(bytes) =
             iwan_machine::read_file(path).ok().filter(|bytes| bytes.trim_ascii_start().starts_with(b"-1"))
         {
@@ -69,7 +70,7 @@ impl Shapes {
 
     /// Shapes from the datasets 55 of a universal file: the real part of each mass-normalised shape at the nodes of the channels.
     fn universal(path: &Path, bytes: &[u8], channels: &[String]) -> Result<Self, Failure> {
-        let name = path.display().to_string();
+        let name = shown::path(path);
         let model = iwan_io::uff_model(path, bytes).map_err(|e| Failure::said(&name, &e))?;
         let mut values = Vec::new();
         for (n, mode) in model.modes.iter().enumerate() {

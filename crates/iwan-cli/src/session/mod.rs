@@ -19,6 +19,7 @@ use crate::args::{Common, Format, Keeping};
 use crate::failure::{Failure, VERSION};
 use crate::output;
 use crate::progress::{self, Bar};
+use crate::shown;
 pub(crate) use results::Results;
 pub(crate) use summary::{Summary, alone};
 
@@ -223,8 +224,8 @@ impl Session {
         }
         let heard = Console { quiet: console.quiet && !self.strict };
         heard.warnings(summary.warnings());
-        console.say(&format!("results: {}", folder.display()));
-        console.say(&format!("{}: {}", S::SHOWN, folder.join(PAGE).display()));
+        console.say(&format!("results: {}", shown::path(&folder)));
+        console.say(&format!("{}: {}", S::SHOWN, shown::path(&folder.join(PAGE))));
         let printed =
             if self.json { summary::printed(summary, &self.files, &folder) } else { summary.text() };
         output::result(&printed)?;
@@ -232,7 +233,7 @@ impl Session {
             n if self.strict && n > 0 => Err(Failure::computation(format!(
                 "--strict: {n} warning{}, see above; the results are in {}",
                 if n == 1 { "" } else { "s" },
-                folder.display()
+                shown::path(&folder)
             ))
             .of(Kind::Strict)),
             _ => Ok(()),

@@ -9,6 +9,7 @@ use iwan_machine::Kind;
 
 use crate::args::Format;
 use crate::failure::Failure;
+use crate::shown;
 
 /// A results folder that is being filled.
 #[derive(Debug)]
@@ -53,7 +54,7 @@ impl Results {
         let chosen = (given.is_none() && !force).then(|| default.to_owned());
         let input = |error: WriteError| match error {
             WriteError::Exists { path } => Failure::input(
-                format!("{} exists already; nothing was written", path.display()),
+                format!("{} exists already; nothing was written", shown::path(&path)),
                 "choose another folder with --out, or overwrite with --force",
             )
             .of(Kind::Exists),

@@ -5,6 +5,7 @@ use std::path::Path;
 use serde::Serialize;
 
 use crate::failure::VERSION;
+use crate::shown::json;
 
 /// The summary of a command's results. Its fields are the keys of the JSON object; the session puts `version` before them and `files` behind them,
 /// and on standard output also `folder`.
@@ -54,11 +55,4 @@ pub(crate) fn alone(summary: &impl Summary) -> String {
 /// The summary as JSON for standard output.
 pub(super) fn printed(summary: &impl Summary, files: &[String], folder: &Path) -> String {
     json(&Whole { version: VERSION, summary, files, folder: Some(folder), seconds: summary.seconds() })
-}
-
-fn json(whole: &impl Serialize) -> String {
-    // The summary holds numbers, texts and lists, whose serialisation cannot fail.
-    let mut text = serde_json::to_string_pretty(whole).unwrap_or_default();
-    text.push('\n');
-    text
 }

@@ -10,6 +10,7 @@ use iwan_study::update::{BlowTask, MeasuredBlow, MeasuredCurve};
 use super::args::UpdateArgs;
 use crate::failure::Failure;
 use crate::records::Motion;
+use crate::shown;
 use crate::structures::Linear;
 
 /// The blows of `--records`, and notes on them; none without that option.
@@ -57,7 +58,7 @@ fn blow(
     outputs: &[Output],
     notes: &mut Vec<String>,
 ) -> Result<MeasuredBlow, Failure> {
-    let place = path.display().to_string();
+    let place = shown::path(path);
     let read = |channels: Vec<String>, quantity: Option<iwan_io::Quantity>| -> Result<Record, Failure> {
         iwan_io::read(path, &ReadOptions { channels, quantity, ..ReadOptions::default() })
             .map_err(|e| Failure::read(&place, &e))

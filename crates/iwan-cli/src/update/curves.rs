@@ -8,6 +8,7 @@ use iwan_study::update::MeasuredCurve;
 use serde_json::Value;
 
 use crate::failure::Failure;
+use crate::shown;
 
 /// Remedy where a file holds no curves.
 const REMEDY: &str = "give fit.json of `iwan fit`, envelope.csv of `iwan envelope`, curves.csv of `iwan quasi-static`, or a table with the columns \
@@ -58,7 +59,7 @@ pub(super) fn read(given: &str) -> Result<Vec<MeasuredCurve>, Failure> {
 
 /// Curves of the modes in a fit.json.
 fn of_json(path: &Path) -> Result<Vec<Read>, Failure> {
-    let place = path.display().to_string();
+    let place = shown::path(path);
     let refused = |what: &str| Failure::input(format!("{place}: {what}"), REMEDY);
     let bytes = iwan_machine::read_file(path).map_err(|e| refused(&format!("cannot be read: {e}")))?;
     let whole: Value = serde_json::from_slice(&bytes).map_err(|e| refused(&format!("is no JSON: {e}")))?;
@@ -85,7 +86,7 @@ fn of_json(path: &Path) -> Result<Vec<Read>, Failure> {
 
 /// Curves of the modes in a table, told apart by the column `mode` where there is one.
 fn of_table(path: &Path) -> Result<Vec<Read>, Failure> {
-    let place = path.display().to_string();
+    let place = shown::path(path);
     let table = iwan_io::read_table(path).map_err(|error| Failure::said(&place, &error))?;
     let missing = |name: &str| {
         let message = format!("{place}: there is no column `{name}`; it has {}", listed(table.names()));

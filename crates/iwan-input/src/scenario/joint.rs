@@ -106,11 +106,7 @@ fn refused(
 fn names(sections: &[Section<'_>], modes: &[ScenarioMode]) -> Result<Vec<String>, InputError> {
     let mut names: Vec<String> = Vec::new();
     for (n, section) in sections.iter().enumerate() {
-        let name = section.optional_text("name")?.unwrap_or_else(|| format!("joint {}", n + 1));
-        if name.trim().is_empty() || name.chars().any(char::is_control) {
-            let message = "name is empty or has control characters";
-            return Err(section.failure("name", message, "give the joint a readable name"));
-        }
+        let name = section.optional_name("name")?.unwrap_or_else(|| format!("joint {}", n + 1));
         let taken =
             modes.iter().any(|m| m.mode.name == name || m.mode.outputs.iter().any(|p| p.name == name));
         if taken || names.contains(&name) {

@@ -1,6 +1,7 @@
 //! `[[mode]]`: an oscillator with its joint.
 
 use iwan_core::ResidualStiffness;
+use iwan_machine::is_harmful;
 use iwan_sim::{Mode, Point};
 
 use crate::error::InputError;
@@ -44,11 +45,7 @@ impl ScenarioMode {
     /// Reads and checks one mode; `index` counts from 0.
     pub(super) fn read(source: &InputText, index: usize, place: TablePlace<'_>) -> Result<Self, InputError> {
         let section = Section::new(source, format!("mode {}", index + 1), place, KEYS)?;
-        let name = section.text("name")?;
-        if name.trim().is_empty() || name.chars().any(char::is_control) {
-            let message = "name is empty or has control characters";
-            return Err(section.failure("name", message, "give the mode a readable name"));
-        }
+        let name = section.name("name")?;
         let section = section.renamed(format!("mode \"{name}\""));
         let joint = section.optional_table("joint")?.map(|table| read_joint(source, &section, table));
         let (joint, law) = joint.transpose()?.unzip();
@@ -139,7 +136,7 @@ fn read_outputs(source: &InputText, mode: &Section<'_>) -> Result<Vec<Point>, In
     let Some(place) = mode.optional_table("outputs")? else { return Ok(Vec::new()) };
     let (section, entries) = Section::entries(source, &format!("outputs of {}", mode.title()), place)?;
     let point = |(name, shape): (String, f64)| {
-        if name.trim().is_empty() || name.chars().any(char::is_control) {
+        if name.trim().is_empty() || name.contains(is_harmful) {
             return Err(section.failure(&name, "a point needs a readable name", "give the point a name"));
         }
         if !shape.is_finite() {

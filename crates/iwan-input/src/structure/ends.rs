@@ -102,11 +102,7 @@ pub(super) fn name<'a>(
     word: &str,
     taken: impl Fn(&str) -> bool,
 ) -> Result<(Section<'a>, String), InputError> {
-    let name = section.text("name")?;
-    if name.trim().is_empty() || name.chars().any(char::is_control) {
-        let message = "name is empty or has control characters";
-        return Err(section.failure("name", message, "give it a readable name"));
-    }
+    let name = section.name("name")?;
     if taken(&name) {
         let message = format!("name = \"{name}\" is taken already");
         return Err(section.failure("name", &message, "give each a name of its own"));

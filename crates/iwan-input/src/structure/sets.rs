@@ -24,7 +24,7 @@ const ROUNDING: f64 = 1e-9;
 pub(super) fn read(source: &InputText, top: &Section<'_>, mesh: &mut Mesh) -> Result<(), InputError> {
     for (index, place) in top.tables("set")?.into_iter().enumerate() {
         let (section, kind) = Section::kind(source, format!("set {}", index + 1), place, KINDS, None)?;
-        let name = section.text("name")?;
+        let name = section.name("name")?;
         let section = section.renamed(format!("set \"{name}\""));
         let sets = if kind.name == "elements" { &mesh.element_sets } else { &mesh.node_sets };
         if sets.contains_key(&name) {

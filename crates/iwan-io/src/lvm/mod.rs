@@ -10,7 +10,7 @@ use crate::assembly::Raw;
 use crate::error::ReadError;
 use crate::file_bytes::{FileBytes, decode};
 use crate::options::ReadOptions;
-use iwan_machine::shortened;
+use iwan_machine::{plain, shortened};
 use segment::{Interval, Segment};
 
 /// First words of the file.
@@ -123,7 +123,7 @@ impl Lines<'_> {
                     .map(|c| number_of(c, style))
                     .collect::<Option<Vec<f64>>>()
             };
-            let words = || cells[1..].iter().map(|c| (*c).to_string()).collect();
+            let words = || cells[1..].iter().map(|c| plain(c)).collect();
             let wrong = || {
                 self.source.malformed(
                     Self::place(number),
@@ -177,19 +177,21 @@ impl Lines<'_> {
             XColumns::One => 1,
             XColumns::Multi => channels,
         };
-        let names: Vec<&str> =
-            self.rest.next().map_or("", |(_, line)| line).split(style.separator).map(str::trim).collect();
+        let names: Vec<String> = self
+            .rest
+            .next()
+            .map_or("", |(_, line)| line)
+            .split(style.separator)
+            .map(|n| plain(n.trim()))
+            .collect();
         let multi = style.x_columns == XColumns::Multi;
         // Which column is which: X comes once in front of all channels, or in front of every channel. Where there is no X, LabVIEW leaves
         // its first column empty, and heads it X_Value or not at all.
         let column = |k: usize| if multi { 2 * k + 1 } else { k + xs };
-        let empty_x = xs == 0 && matches!(names.first(), Some(&("X_Value" | "")));
+        let empty_x = xs == 0 && matches!(names.first().map(String::as_str), Some("X_Value" | ""));
         let heading = |k: usize| column(k) + usize::from(empty_x);
-        segment.names = (0..channels)
-            .map(|k| names.get(heading(k)).map_or(String::new(), |n| (*n).to_string()))
-            .collect();
-        segment.x_names =
-            (0..xs).map(|k| names.get(2 * k).map_or(String::new(), |n| (*n).to_string())).collect();
+        segment.names = (0..channels).map(|k| names.get(heading(k)).cloned().unwrap_or_default()).collect();
+        segment.x_names = (0..xs).map(|k| names.get(2 * k).cloned().unwrap_or_default()).collect();
         (segment.x, segment.y) = (vec![Vec::new(); xs], vec![Vec::new(); channels]);
         while let Some((number, line)) = self.rest.peek().copied() {
             let cells: Vec<&str> = line.split(style.separator).map(str::trim).collect();

@@ -20,6 +20,7 @@ use crate::options::ReadOptions;
 use crate::warning::Warning;
 use element::{Cursor, ElementType};
 use flate2::bufread::ZlibDecoder;
+use iwan_machine::{is_harmful, plain};
 use matrix::{Found, Reader, Said};
 use std::path::Path;
 
@@ -67,7 +68,12 @@ pub fn mat_matrices(file: &Path, bytes: &[u8]) -> Result<Vec<StoredMatrix>, Read
 
 /// What a file of level 5 or 7.3 holds.
 fn read(source: &FileBytes) -> Result<Found, ReadError> {
-    if is_level_7_3(source.bytes) { hdf::read(source) } else { level_5(source) }
+    let mut found = if is_level_7_3(source.bytes) { hdf::read(source)? } else { level_5(source)? };
+    let Found { arrays, texts, refused, matrices } = &mut found;
+    let names = arrays.iter_mut().map(|v| &mut v.name).chain(matrices.iter_mut().map(|m| &mut m.name));
+    let paths = texts.iter_mut().chain(refused).map(|said| &mut said.path);
+    names.chain(paths).filter(|name| name.contains(is_harmful)).for_each(|name| *name = plain(name));
+    Ok(found)
 }
 
 /// Signature of HDF5, at the start or behind MATLAB's own header of 512 bytes.

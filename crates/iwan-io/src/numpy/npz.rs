@@ -7,7 +7,7 @@ use crate::file_bytes::{FileBytes, decode};
 use crate::inflate::{most, read_limited, refused};
 use crate::options::ReadOptions;
 use crate::warning::Warning;
-use iwan_machine::shortened;
+use iwan_machine::{plain, shortened};
 use std::collections::{BTreeMap, HashSet};
 use std::io::Cursor;
 use std::path::Path;
@@ -117,7 +117,7 @@ fn entry(
     let bad = |e: String| source.malformed(place.clone(), e, EXPECTED);
     let mut entry = archive.by_index(index).map_err(|e| bad(e.to_string()))?;
     let name = entry.name().map_err(|e| bad(e.to_string()))?;
-    let Some(name) = name.strip_suffix(".npy").map(str::to_string) else { return Ok(None) };
+    let Some(name) = name.strip_suffix(".npy").map(plain) else { return Ok(None) };
     if !wanted(&name, entry.size()) {
         return Ok(None);
     }

@@ -1,5 +1,6 @@
 //! Names of columns, and the reasons why columns make no table.
 
+use iwan_machine::is_harmful;
 use std::collections::HashSet;
 
 /// Why columns do not make a [`Table`](super::Table).
@@ -19,7 +20,7 @@ pub enum TableError {
         /// Number of rows of the first column.
         expected: usize,
     },
-    /// The same name twice, an empty name, or one with a line break or zero byte.
+    /// The same name twice, an empty name, or one with control characters.
     #[error(
         "column {index} (counted from 0) is called '{name}'; names must be unique, not empty, and without control characters"
     )]
@@ -36,7 +37,7 @@ pub(super) fn check_names<'a>(all: impl IntoIterator<Item = &'a String>) -> Resu
     let mut names = HashSet::new();
     for (index, name) in all.into_iter().enumerate() {
         let twice = !names.insert(name);
-        if twice || name.is_empty() || name.chars().any(char::is_control) {
+        if twice || name.is_empty() || name.contains(is_harmful) {
             return Err(TableError::Name { index, name: name.clone() });
         }
     }

@@ -4,7 +4,7 @@ use super::clock::Clock;
 use crate::assembly::units;
 use crate::error::ReadError;
 use crate::file_bytes::{FileBytes, decode};
-use iwan_machine::shortened;
+use iwan_machine::{plain, shortened};
 use std::borrow::Cow;
 
 /// Number of lines in which the first row of numbers is sought. Preambles of measuring programs have up to some dozen lines. A file without
@@ -220,13 +220,13 @@ fn header(above: &[&Line], separator: Separator, fields: usize) -> Header {
 
 fn split_quoted(separator: Separator, text: &[u8]) -> Vec<String> {
     if separator == Separator::Space {
-        return separator.split(text).into_iter().map(decode).collect();
+        return separator.split(text).into_iter().map(|c| plain(&decode(c))).collect();
     }
     let mut reader =
         csv::ReaderBuilder::new().has_headers(false).delimiter(separator.byte()).from_reader(text);
     let mut record = csv::ByteRecord::new();
     let read = reader.read_byte_record(&mut record).unwrap_or(false);
-    let mut cells: Vec<String> = record.iter().map(|c| decode(c.trim_ascii())).collect();
+    let mut cells: Vec<String> = record.iter().map(|c| plain(&decode(c.trim_ascii()))).collect();
     if cells.len() > 1 && cells.last().is_some_and(String::is_empty) {
         cells.pop();
     }

@@ -6,7 +6,7 @@ use crate::assembly::units;
 use crate::error::ReadError;
 use crate::file_bytes::{FileBytes, decode};
 use crate::quantity::Quantity;
-use iwan_machine::shortened;
+use iwan_machine::{plain, shortened};
 
 /// What the header of a dataset 58 says.
 #[derive(Debug)]
@@ -33,7 +33,7 @@ pub(super) struct Header {
 
 impl Header {
     pub(super) fn parse(source: &FileBytes, section: &Section) -> Result<Self, ReadError> {
-        let line = |i: usize| decode(section.header[i]);
+        let line = |i: usize| plain(&decode(section.header[i]));
         let (dof, abscissa, ordinate) = (line(5), line(7), line(8));
         let form = line(6);
         let form: Vec<&str> = form.split_whitespace().collect();

@@ -15,6 +15,7 @@ use crate::failure::Failure;
 use crate::fit::args::FitArgs;
 use crate::identified::extract;
 use crate::records::{self, Extraction, Recording, Wanted};
+use crate::shown;
 
 /// Start values of a mode whose curves give none. K_T is this share, 2 %, of the modal stiffness ω², and F_S = K_T times the largest displacement, so
 /// that the record does not quite reach macro-slip. (`UNTOLD`: damping ratio, χ, β.)
@@ -150,7 +151,7 @@ fn files(paths: &[std::path::PathBuf], args: &FitArgs, load: Option<&str>) -> Re
     };
     let mut all = Vec::new();
     for path in paths {
-        let name = path.display().to_string();
+        let name = shown::path(path);
         let force = channel(path, args, load)?;
         let mut own = args.records.clone();
         if own.channels.is_empty() {
@@ -186,14 +187,14 @@ fn without_load(record: &Record) -> Option<String> {
 /// Reads one channel of a file, whatever quantity it measures.
 fn channel(path: &Path, args: &FitArgs, name: &str) -> Result<Record, Failure> {
     let options = options(args, vec![name.into()]);
-    let place = path.display().to_string();
+    let place = shown::path(path);
     let record = iwan_io::read(path, &options).map_err(|e| Failure::read(&place, &e))?;
     record.between(args.records.from, args.records.to).map_err(|e| Failure::said(&place, &e))
 }
 
 /// Names of all channels of a file.
 fn channels(path: &Path, args: &FitArgs) -> Result<Vec<String>, Failure> {
-    let place = path.display().to_string();
+    let place = shown::path(path);
     let record = iwan_io::read(path, &options(args, Vec::new())).map_err(|e| Failure::read(&place, &e))?;
     Ok(record.names().to_vec())
 }

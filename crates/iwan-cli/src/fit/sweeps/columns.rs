@@ -5,6 +5,7 @@ use std::path::Path;
 use iwan_io::{Format, ReadError, ReadOptions, UffFunction, read_modal_test, read_table};
 
 use crate::failure::Failure;
+use crate::shown;
 
 /// Content of a file: columns of equal length by name, or frequency responses.
 #[derive(Debug)]
@@ -15,7 +16,7 @@ pub(crate) enum Content {
 
 /// Reads a file.
 pub(crate) fn read(path: &Path) -> Result<Content, Failure> {
-    let refused = |error: ReadError| Failure::read(&path.display().to_string(), &error);
+    let refused = |error: ReadError| Failure::read(&shown::path(path), &error);
     let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_lowercase();
     if matches!(extension.as_str(), "csv" | "tsv" | "txt" | "dat" | "asc") {
         let table = read_table(path).map_err(refused)?;

@@ -13,6 +13,7 @@ use crate::args::Format;
 use crate::failure::Failure;
 use crate::fit::args::FitArgs;
 use crate::session::{PAGE, SUMMARY, Session};
+use crate::shown;
 
 /// File with the whole summary.
 const WHOLE: &str = "fit.json";
@@ -28,7 +29,7 @@ pub(crate) fn fit(
 ) -> Result<(), Failure> {
     let mass = args.records.mass;
     let scaling = Scaling { mass: mass.unwrap_or(1.0), levels: &args.levels };
-    let name = |path: &Path| path.display().to_string();
+    let name = |path: &Path| shown::path(path);
     let responses =
         args.sweeps.iter().map(|path| Measurement::response(name(path), columns::read(path)?, scaling));
     let backbones =
