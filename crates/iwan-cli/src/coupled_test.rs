@@ -137,7 +137,7 @@ fn loaded(records: Vec<StruckRecord>) -> Result<Vec<Loaded>, Failure> {
             let message = format!("{name}: the force has {} samples, the record {samples}", force.len());
             return Err(Failure::input(message, "give the force on the clock of the motions"));
         }
-        Ok((Recording { name, record, quantity, warnings }, force))
+        Ok((Recording { name, record, quantity, warnings, doubts: Vec::new() }, force))
     };
     records.into_iter().map(one).collect()
 }

@@ -65,6 +65,7 @@ pub fn fit_json(mode: &FittedMode<'_>, law: Option<&str>) -> Result<String, Stri
     if let Some(law) = law {
         summary.modes.iter_mut().for_each(|mode| mode.law = Some(law.to_owned()));
     }
+    summary.judge();
     Ok(alone(&summary))
 }
 
@@ -123,5 +124,6 @@ fn recording(record: &FittedRecord) -> Result<Recording, Failure> {
         record: samples,
         quantity: record.quantity,
         warnings: Vec::new(),
+        doubts: Vec::new(),
     })
 }

@@ -23,6 +23,7 @@ mod shown;
 mod simulate;
 mod steady;
 mod stream;
+mod strict;
 mod structures;
 mod trust;
 mod update;

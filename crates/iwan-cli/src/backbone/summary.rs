@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use super::curves::Traced;
 use crate::page::numbers::{long, short};
-use crate::session::Summary;
+use crate::session::{Summary, Warnings};
 
 /// The summary of nonlinear modes.
 #[derive(Debug, Clone, Serialize)]
@@ -18,7 +18,7 @@ pub(crate) struct BackboneSummary {
     /// One entry per mode.
     pub(crate) modes: Vec<ModeBackbone>,
     /// What the user should look at.
-    pub(crate) warnings: Vec<String>,
+    pub(crate) warnings: Warnings,
     /// Wall-clock time of the computation, s.
     #[serde(skip)]
     pub(crate) seconds: f64,

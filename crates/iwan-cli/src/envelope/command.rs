@@ -20,7 +20,7 @@ pub(crate) fn run(args: &EnvelopeArgs) -> Result<(), Failure> {
     let table = args.format.file("envelope");
     let mut session = Session::open(args.place(), &args.common, [table.as_str(), SUMMARY, PAGE])?;
     let first = &recordings[0];
-    session.warnings(&first.warnings);
+    Recording::announce(std::slice::from_ref(first), &mut session);
 
     let extractions = extract(&recordings, args, session.threads())?;
     let units = Units::new(first.record.unit(), first.quantity, args.records.mass_normalised());

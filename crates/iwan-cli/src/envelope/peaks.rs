@@ -13,7 +13,7 @@ use crate::failure::{Failure, VERSION};
 use crate::page::html::page;
 use crate::page::numbers::{long, short};
 use crate::records::{Recording, Units};
-use crate::session::{PAGE, SUMMARY, Session, Summary};
+use crate::session::{PAGE, SUMMARY, Session, Summary, Warnings};
 
 /// The peaks of a record.
 #[derive(Debug, Clone, Serialize)]
@@ -21,7 +21,7 @@ struct PeakSummary {
     record: RecordSummary,
     /// The peaks in ascending frequency.
     peaks: Vec<Peak>,
-    warnings: Vec<String>,
+    warnings: Warnings,
 }
 
 /// One peak.
@@ -100,7 +100,7 @@ impl Summary for PeakSummary {
 pub(super) fn run(args: &EnvelopeArgs, recording: &Recording) -> Result<(), Failure> {
     let table = args.format.file("peaks");
     let mut session = Session::open(args.place(), &args.common, [table.as_str(), SUMMARY, PAGE])?;
-    session.warnings(&recording.warnings);
+    Recording::announce(std::slice::from_ref(recording), &mut session);
     let record = &recording.record;
     let channels: Vec<&[f64]> = record.samples().iter().map(Vec::as_slice).collect();
     let found = spectral_peaks(&channels, record.dt()).map_err(|e| Failure::said(&recording.name, &e))?;
@@ -109,7 +109,7 @@ pub(super) fn run(args: &EnvelopeArgs, recording: &Recording) -> Result<(), Fail
     let summary = PeakSummary {
         record: RecordSummary::new(recording, &units),
         peaks,
-        warnings: recording.warnings.clone(),
+        warnings: recording.warnings.iter().cloned().collect(),
     };
     session.columns(&table, &columns(&summary.peaks), args.format)?;
     session.summary(SUMMARY, &summary)?;
@@ -139,7 +139,7 @@ fn render(recording: &Recording, summary: &PeakSummary) -> String {
     let body = html! {
         h1 { "Spectral peaks of " (summary.record.name()) }
         p.about { (summary.record.text().trim_end()) ". Written by iwan " (VERSION) "." }
-        @for warning in &summary.warnings { div.verdict.look { (warning) } }
+        @for warning in summary.warnings.iter() { div.verdict.look { (warning) } }
         div.wide {
             table {
                 thead { tr { @for head in HEADS { th { (head) } } } }

@@ -16,7 +16,7 @@ pub(super) fn render(extractions: &[Extraction], summary: &EnvelopeSummary, unit
         h1 { "Envelope of " (record.name()) }
         p.about { (record.text().trim_end()) ". Written by iwan " (VERSION) "." }
         (self::units(units))
-        @for warning in &summary.warnings { div.verdict.look { (warning) } }
+        @for warning in summary.warnings.iter() { div.verdict.look { (warning) } }
         nav { @for (n, x) in extractions.iter().enumerate() { a href=(format!("#mode-{n}")) { (x.name) } } }
         @for (n, x) in extractions.iter().enumerate() { (mode(n, x, summary, units)) }
     };

@@ -9,7 +9,7 @@ use serde::Serialize;
 
 use crate::page::numbers::short;
 use crate::records::{Extraction, Recording, Units};
-use crate::session::Summary;
+use crate::session::{Summary, Warnings};
 
 /// Rows of the table on the terminal: both ends of the trusted window and five times evenly spaced between them. The table file holds every sample.
 const ROWS: usize = 7;
@@ -31,7 +31,7 @@ pub(crate) struct EnvelopeSummary {
     pub(crate) record: RecordSummary,
     pub(crate) modes: Vec<ModeEnvelope>,
     /// What the reader of the record noticed; these warnings are given before anything is computed.
-    pub(crate) warnings: Vec<String>,
+    pub(crate) warnings: Warnings,
 }
 
 /// A record in brief.
@@ -113,7 +113,7 @@ impl EnvelopeSummary {
         Self {
             record: RecordSummary::new(recording, units),
             modes: extractions.iter().filter_map(ModeEnvelope::new).collect(),
-            warnings: recording.warnings.clone(),
+            warnings: recording.warnings.iter().cloned().collect(),
         }
     }
 }

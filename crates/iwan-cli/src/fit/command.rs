@@ -9,7 +9,7 @@ use iwan_sim::in_parallel;
 
 use super::args::FitArgs;
 use super::coupled;
-use super::laws::BY_CURVES;
+use super::laws::{BY_CURVES, IWAN};
 use super::modal::over_from_modal;
 use super::report::{Reported, render};
 use super::scenario::as_scenario;
@@ -30,9 +30,6 @@ const LAW: &str = "scenario-law.toml";
 /// File with the curves (frequency and damping against amplitude) as a scenario.
 const CURVES: &str = "scenario-curves.toml";
 
-/// Name, in the table of laws, of the four-parameter Iwan joint that is fitted to the records.
-const IWAN: &str = "iwan";
-
 /// Runs the command.
 pub(crate) fn run(mut args: FitArgs) -> Result<(), Failure> {
     let folder = args.modal.take();
@@ -52,9 +49,7 @@ pub(crate) fn run(mut args: FitArgs) -> Result<(), Failure> {
     let [curves, response] = ["curves", "response"].map(|stem| args.format.file(stem));
     let files = [WHOLE, SUMMARY, SCENARIO, LAW, CURVES, PAGE, &curves, &response];
     let mut session = Session::open(args.place(), &args.common, files)?;
-    for recording in &recordings {
-        session.warnings(&recording.warnings);
-    }
+    Recording::announce(&recordings, &mut session);
 
     let wanted = records::modes(&recordings, &args.records)?;
     let numbers: Vec<usize> = wanted.iter().map(|mode| mode.number).collect();
@@ -71,6 +66,7 @@ pub(crate) fn run(mut args: FitArgs) -> Result<(), Failure> {
     if let Some(law) = &args.law {
         summary.modes.iter_mut().for_each(|mode| mode.law = Some(law.clone()));
     }
+    summary.judge();
     let asked = args.law.clone().filter(|law| law != IWAN);
     let scenario = placed(as_scenario(&identified, &summary.title(), |_| asked.clone())?);
     let toml = to_toml(&scenario, "");
@@ -96,9 +92,7 @@ fn ring_downs(args: &FitArgs, session: &mut Session) -> Result<Option<RingDowns>
         return Ok(None);
     }
     let recordings = records::read_all(&args.fit, &args.records, args.common.thread_count())?;
-    for recording in &recordings {
-        session.warnings(&recording.warnings);
-    }
+    Recording::announce(&recordings, session);
     let wanted = records::modes(&recordings, &args.records)?;
     if wanted.len() > 1 {
         let message = format!("{} modes are wanted, but sweeps and backbones are those of one", wanted.len());

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use iwan_ident::profile::Profile;
-use iwan_ident::{Parameter, Parameters, Verdict};
+use iwan_ident::{Grade, Parameter, Parameters, Verdict};
 use maud::{Markup, html};
 use serde::Serialize;
 
@@ -118,6 +118,12 @@ impl JointFit {
             _ => format!("does not match {measured}"),
         };
         format!("One four-parameter Iwan joint with a viscous damper {says}.")
+    }
+
+    /// The warning about a model that does not match what `measured` names; none for one that does, or is usable.
+    pub(crate) fn doubt(&self, measured: &str) -> Option<String> {
+        let sentence = || format!("{}: {} {}", self.name, self.sentence(measured), self.misfit);
+        (self.grade == Grade::No.name()).then(sentence)
     }
 
     /// Appends the table for the terminal. Writing to a string cannot fail.

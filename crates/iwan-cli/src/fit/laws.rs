@@ -7,6 +7,9 @@ use serde::Serialize;
 
 use crate::page::numbers::{interval, long};
 
+/// Name, in the table of laws, of the four-parameter Iwan joint that is fitted to the records.
+pub(crate) const IWAN: &str = "iwan";
+
 /// Name by which `--law` asks for the smooth curves in place of a law.
 pub(crate) const BY_CURVES: &str = "curves";
 

@@ -33,7 +33,8 @@ pub(crate) fn render(reported: &Reported<'_>) -> String {
             "Modal quantities: the displacement q is the record's motion times the root of the modal mass (1 unless given), "
             "K_T is in 1/s\u{b2}. Written by iwan " (VERSION) "."
         }
-        @for warning in &summary.warnings { div.verdict.look { (warning) } }
+        // Models that do not match are told with each mode.
+        @for warning in summary.noticed() { div.verdict.look { (warning) } }
         nav {
             @for (n, mode) in summary.modes.iter().enumerate() { a href=(format!("#mode-{n}")) { (mode.joint.name) } }
             a href="#scenario" { "Scenario" }

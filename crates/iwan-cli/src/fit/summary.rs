@@ -2,24 +2,27 @@
 
 use std::fmt::Write;
 
-use iwan_ident::Verdict;
 use iwan_ident::density::FreeForm;
+use iwan_ident::{Grade, Verdict};
 use serde::Serialize;
 
 use super::joint::{Estimate, JointFit};
-use super::laws::{self, BackboneSummary, LawSummary};
+use super::laws::{self, BackboneSummary, IWAN, LawSummary};
 use crate::envelope::{RecordSummary, agreement};
 use crate::identified::Identified;
 use crate::records::{Axis, Recording, Units};
-use crate::session::Summary;
+use crate::session::{Summary, Warnings};
 
 /// The fit of one or several modes.
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct FitSummary {
     pub(crate) records: Vec<RecordSummary>,
     pub(crate) modes: Vec<ModeFit>,
-    /// What the reader of the records noticed; these warnings are given before anything is computed.
-    pub(crate) warnings: Vec<String>,
+    /// What the reader of the records noticed, which is told before anything is computed, and then the models that do not match.
+    pub(crate) warnings: Warnings,
+    /// How many of the warnings are the reader's.
+    #[serde(skip)]
+    noticed: usize,
 }
 
 /// The fit of one mode.
@@ -99,11 +102,23 @@ impl FitSummary {
         axis: Axis,
         units: &Units,
     ) -> Self {
+        let warnings: Warnings = recordings.iter().flat_map(|r| r.warnings.clone()).collect();
         Self {
             records: recordings.iter().map(|r| RecordSummary::new(r, units)).collect(),
             modes: identified.iter().map(|i| ModeFit::new(i, axis)).collect(),
-            warnings: recordings.iter().flat_map(|r| r.warnings.clone()).collect(),
+            noticed: warnings.len(),
+            warnings,
         }
+    }
+
+    /// What the reader of the records noticed.
+    pub(crate) fn noticed(&self) -> &[String] {
+        &self.warnings[..self.noticed]
+    }
+
+    /// Adds the warnings about modes whose models do not match, once it is known by which law each mode is described.
+    pub(crate) fn judge(&mut self) {
+        self.warnings.extend(self.modes.iter().flat_map(ModeFit::doubts));
     }
 
     /// Title of the scenario and the page.
@@ -123,6 +138,10 @@ impl FitSummary {
 }
 
 impl Summary for FitSummary {
+    fn warnings(&self) -> &[String] {
+        &self.warnings[self.noticed..]
+    }
+
     fn text(&self) -> String {
         let mut text: String = self.records.iter().map(RecordSummary::text).collect();
         self.modes.iter().for_each(|m| m.write(&mut text));
@@ -166,6 +185,15 @@ impl ModeFit {
             free_form: i.densities.first().map(DensitySummary::new),
             curves: Some(CurveSummary::new(i)),
         }
+    }
+
+    /// Warnings where the joint or the chosen law does not match the records.
+    fn doubts(&self) -> impl Iterator<Item = String> {
+        let is_chosen = |law: &&LawSummary| Some(law.name) == self.law.as_deref() && law.name != IWAN;
+        let law = self.laws.iter().find(is_chosen).filter(|law| law.grade == Grade::No.name());
+        let law =
+            law.map(|law| format!("{}: the law {} does not match these records.", self.joint.name, law.name));
+        self.joint.doubt("these records").into_iter().chain(law)
     }
 
     /// Appends the text on the mode. Writing to a string cannot fail.

@@ -8,7 +8,7 @@ use serde::Serialize;
 
 use super::responses::Response;
 use crate::page::numbers::{long, short};
-use crate::session::Summary;
+use crate::session::{Summary, Warnings};
 
 /// A peak that exceeds the largest amplitude of the records by less than this part counts as equal to it.
 const ROUNDING: f64 = 1e-3;
@@ -27,7 +27,7 @@ pub(crate) struct FrfSummary {
     /// One entry per mode.
     pub(crate) modes: Vec<ModePeaks>,
     /// What the user should look at.
-    pub(crate) warnings: Vec<String>,
+    pub(crate) warnings: Warnings,
     /// Wall-clock time of the computation, s.
     #[serde(skip)]
     pub(crate) seconds: f64,

@@ -14,7 +14,7 @@ use super::file_of_test::JudgedHit;
 use super::hits::Test;
 use super::linearity::Decay;
 use crate::page::numbers::short;
-use crate::session::Summary;
+use crate::session::{Summary, Warnings};
 
 /// A mode.
 #[derive(Debug, Clone, Serialize)]
@@ -117,7 +117,7 @@ pub(crate) struct ModalSummary {
     pub(crate) other: Option<OtherSummary>,
     pub(crate) linear_from: Option<LinearitySummary>,
     pub(crate) hits: Vec<HitSummary>,
-    pub(crate) warnings: Vec<String>,
+    pub(crate) warnings: Warnings,
 }
 
 /// A response whose mean coherence in the band is below this gets a warning: noise, or a wrongly assigned channel, dominates it.
@@ -184,7 +184,9 @@ impl ModalSummary {
                 sidebands.iter().filter_map(|s| sideband_words(fit, s)).collect(),
                 doubts(test, levels),
             ]
-            .concat(),
+            .concat()
+            .into_iter()
+            .collect(),
         }
     }
 }

@@ -6,7 +6,7 @@ use iwan_fem::{Class, NamedMode};
 use serde::Serialize;
 
 use crate::page::numbers::short;
-use crate::session::Summary;
+use crate::session::{Summary, Warnings};
 use crate::structures::{Linear, Size};
 
 /// The summary of the modes of a structure.
@@ -27,7 +27,7 @@ pub(crate) struct ModesSummary {
     /// All elastic modes, stuck and slipping.
     pub(crate) modes: Vec<Pair>,
     /// What the user should look at.
-    pub(crate) warnings: Vec<String>,
+    pub(crate) warnings: Warnings,
     /// Wall-clock time of assembly and modes, s.
     pub(crate) seconds: f64,
 }
@@ -80,7 +80,7 @@ impl ModesSummary {
             },
             joint_modes: bending.map(pair).collect(),
             modes: linear.elastic.iter().map(pair).collect(),
-            warnings: linear.warnings(),
+            warnings: linear.warnings().into_iter().collect(),
             seconds,
         }
     }

@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use super::analysis::Analysed;
 use crate::page::numbers::{or_dash, short};
-use crate::session::Summary;
+use crate::session::{Summary, Warnings};
 use crate::structures::{Linear, Size};
 
 /// A misfit above this gets a warning. The limit is a judgement: modes 1 and 3 of the paper's beam, whose links and washers slip at different forces,
@@ -23,7 +23,7 @@ pub(crate) struct QuasiStaticSummary {
     /// One entry per mode.
     pub(crate) modes: Vec<ModeCurves>,
     /// What the user should look at.
-    pub(crate) warnings: Vec<String>,
+    pub(crate) warnings: Warnings,
     /// Wall-clock time of assembly, modes, curves and fits, s.
     pub(crate) seconds: f64,
 }

@@ -6,12 +6,13 @@ use std::path::Path;
 use iwan_ident::channels::{NoMode, Shape, one_mode};
 use iwan_ident::curves::Quantity;
 use iwan_ident::signal::{Options, band_near};
-use iwan_io::{ReadOptions, Record};
+use iwan_io::{ReadOptions, Record, Warning};
 use iwan_machine::memory::ask;
 
 use super::args::{MethodChoice, Motion, RecordArgs};
 use super::shapes::Shapes;
 use crate::failure::Failure;
+use crate::session::Session;
 use crate::shown;
 
 /// Memory in bytes that the analysis of a record takes per sample: measured 305, for the envelopes of a million samples by all methods.
@@ -26,6 +27,8 @@ pub(crate) struct Recording {
     pub(crate) quantity: Quantity,
     /// What the reader noticed, and what was assumed, as sentences.
     pub(crate) warnings: Vec<String>,
+    /// Those of the warnings that make the results doubtful: of windows over the samples, whose damping is found with the structure's.
+    pub(crate) doubts: Vec<String>,
 }
 
 /// The record of one mode, in the unit of the file times the root of the modal mass.
@@ -72,8 +75,10 @@ pub(crate) fn read(path: &Path, args: &RecordArgs) -> Result<Recording, Failure>
     let remedy = "cut the record with --from and --to, or sample it less often";
     ask(format!("{name}: the analysis of {numbers} samples"), numbers.saturating_mul(ANALYSIS), remedy)?;
     let mut warnings: Vec<String> = record.warnings().iter().map(|w| format!("{name}: {w}")).collect();
+    let windowed = |w: &&Warning| matches!(w, Warning::Windowed { .. });
+    let doubts = record.warnings().iter().filter(windowed).map(|w| format!("{name}: {w}")).collect();
     let quantity = motion(&name, &record, &mut warnings)?;
-    Ok(Recording { name, record, quantity, warnings })
+    Ok(Recording { name, record, quantity, warnings, doubts })
 }
 
 /// The kind of motion that the channels measure. Where the channels measure no motion, or their unit is not known, the user is asked; they are never
@@ -245,6 +250,14 @@ fn wanted(
     let record = |(source, samples)| ModalRecord { source, samples };
     let records = mode.records.into_iter().enumerate().map(record).collect();
     Ok(Wanted { name: format!("mode {}", n + 1), number: n, options, records, notes: mode.notes })
+}
+
+impl Recording {
+    /// Prints the warnings about recordings before they are worked with.
+    pub(crate) fn announce(recordings: &[Self], session: &mut Session) {
+        let all = |of: fn(&Self) -> &Vec<String>| recordings.iter().flat_map(of).cloned().collect::<Vec<_>>();
+        session.warnings(&all(|r| &r.warnings), &all(|r| &r.doubts));
+    }
 }
 
 impl MethodChoice {

@@ -81,7 +81,7 @@ fn stretches(mut recording: Recording, seen: &Overview, wanted: Hits) -> Result<
     let mut cuts =
         chosen.into_iter().map(|(n, hit)| cut(&recording, n, hit)).collect::<Result<Vec<_>, _>>()?;
     if let Some(first) = cuts.first_mut() {
-        first.warnings = recording.warnings;
+        (first.warnings, first.doubts) = (recording.warnings, recording.doubts);
     }
     Ok(cuts)
 }
@@ -92,5 +92,11 @@ fn cut(recording: &Recording, n: usize, hit: &Hit) -> Result<Recording, Failure>
     let ends = (record.time(hit.samples.start), record.time(hit.samples.end - 1));
     let name = format!("{}, hit {}", recording.name, n + 1);
     let cut = record.between(Some(ends.0), Some(ends.1)).map_err(|e| Failure::said(&name, &e))?;
-    Ok(Recording { name, record: cut, quantity: recording.quantity, warnings: Vec::new() })
+    Ok(Recording {
+        name,
+        record: cut,
+        quantity: recording.quantity,
+        warnings: Vec::new(),
+        doubts: Vec::new(),
+    })
 }

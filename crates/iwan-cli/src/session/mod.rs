@@ -5,6 +5,7 @@
 //! cannot be written before anything is computed, keeps Ctrl-C from leaving half a result, puts progress, notes and
 //! warnings on standard error unless `--quiet` is given, lets all files appear together, and prints the summary.
 
+mod warnings;
 mod results;
 mod summary;
 
@@ -22,6 +23,7 @@ use crate::progress::{self, Bar};
 use crate::shown;
 pub(crate) use results::Results;
 pub(crate) use summary::{Summary, alone};
+pub(crate) use warnings::Warnings;
 
 /// Name of the summary in the folder of every command.
 pub(crate) const SUMMARY: &str = "summary.json";
@@ -50,6 +52,8 @@ pub(crate) struct Session {
     strict: bool,
     threads: usize,
     kept: Option<Arc<Checkpoint>>,
+    /// Warnings about the input that make the results doubtful.
+    doubts: Warnings,
 }
 
 /// Standard error, where `--quiet` allows it.
@@ -65,9 +69,10 @@ impl Console {
         }
     }
 
-    fn warnings(self, warnings: &[String]) {
-        for warning in warnings {
-            self.say(&format!("warning: {warning}"));
+    /// Prints notes or warnings, which begin with this `word`.
+    fn all(self, word: &str, texts: &[String]) {
+        for text in texts {
+            self.say(&format!("{word}: {text}"));
         }
     }
 }
@@ -94,6 +99,7 @@ impl Session {
             strict: common.strict,
             threads: common.thread_count(),
             kept: None,
+            doubts: Warnings::default(),
         })
     }
 
@@ -131,14 +137,13 @@ impl Session {
 
     /// Prints notes on the input.
     pub(crate) fn notes(&self, notes: &[String]) {
-        for note in notes {
-            self.console.say(&format!("note: {note}"));
-        }
+        self.console.all("note", &notes.iter().cloned().collect::<Warnings>());
     }
 
-    /// Prints warnings.
-    pub(crate) fn warnings(&self, warnings: &[String]) {
-        self.console.warnings(warnings);
+    /// Prints warnings about the input, before the work begins. Those among them that make the results doubtful, the `doubts`, count with `--strict`.
+    pub(crate) fn warnings(&mut self, warnings: &[String], doubts: &[String]) {
+        self.console.all("warning", &warnings.iter().cloned().collect::<Warnings>());
+        self.doubts.extend(doubts.iter().cloned());
     }
 
     /// Adds a file whose content is in memory.
@@ -219,17 +224,20 @@ impl Session {
         drop(ending);
         let console = self.console;
         if let Some(kept) = &self.kept {
-            console.warnings(kept.warning().as_slice());
+            console.all("warning", kept.warning().as_slice());
             kept.remove();
         }
         let heard = Console { quiet: console.quiet && !self.strict };
-        heard.warnings(summary.warnings());
+        if console.quiet {
+            heard.all("warning", &self.doubts);
+        }
+        heard.all("warning", summary.warnings());
         console.say(&format!("results: {}", shown::path(&folder)));
         console.say(&format!("{}: {}", S::SHOWN, shown::path(&folder.join(PAGE))));
         let printed =
             if self.json { summary::printed(summary, &self.files, &folder) } else { summary.text() };
         output::result(&printed)?;
-        match summary.warnings().len() {
+        match self.doubts.len() + summary.warnings().len() {
             n if self.strict && n > 0 => Err(Failure::computation(format!(
                 "--strict: {n} warning{}, see above; the results are in {}",
                 if n == 1 { "" } else { "s" },

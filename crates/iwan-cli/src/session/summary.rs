@@ -13,7 +13,7 @@ pub(crate) trait Summary: Serialize {
     /// What the page shows, in the words of the last note on standard error.
     const SHOWN: &'static str = "figures";
 
-    /// Warnings that the computation found; they are printed once the results are written.
+    /// Warnings that the computation found; they are printed once the results are written, and with `--strict` any of them is a failure.
     fn warnings(&self) -> &[String] {
         &[]
     }

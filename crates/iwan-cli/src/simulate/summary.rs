@@ -9,7 +9,7 @@ use serde::Serialize;
 
 use super::files::PointResponse;
 use crate::page::numbers::{error, or_dash, short};
-use crate::session::Summary;
+use crate::session::{Summary, Warnings};
 use crate::structures::Size;
 
 /// An estimated error above this part of the peak gets a warning, because it is visible in a figure. A matter of judgement; both errors of the
@@ -42,7 +42,7 @@ pub(crate) struct SimulationSummary {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) coupled: Option<CoupledSummary>,
     /// What the user should look at.
-    pub(crate) warnings: Vec<String>,
+    pub(crate) warnings: Warnings,
     /// Wall-clock time of all modes and error estimates together, s.
     pub(crate) seconds: f64,
 }

@@ -9,7 +9,7 @@ use iwan_study::update::{
 use serde::Serialize;
 
 use crate::page::numbers::{interval, long};
-use crate::session::Summary;
+use crate::session::{Summary, Warnings};
 use crate::structures::Linear;
 
 /// An estimate with the name of its quantity.
@@ -80,7 +80,7 @@ pub(crate) struct UpdateSummary {
     /// Measured blows beside those of the structure; none without blows.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) blows: Option<Vec<ComparedBlow>>,
-    pub(crate) warnings: Vec<String>,
+    pub(crate) warnings: Warnings,
 }
 
 /// The parameters of a group of joints, with their names.
@@ -147,7 +147,7 @@ impl UpdateSummary {
             front: Some(found.front.clone()),
             curves: Some(found.curves.clone()),
             blows: (!found.blows.is_empty()).then(|| found.blows.clone()),
-            warnings,
+            warnings: warnings.into_iter().collect(),
         }
     }
 

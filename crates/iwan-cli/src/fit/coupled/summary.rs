@@ -8,7 +8,7 @@ use iwan_study::update::Estimated;
 use serde::Serialize;
 
 use crate::page::numbers::{interval, long};
-use crate::session::Summary;
+use crate::session::{Summary, Warnings};
 
 /// A mode as linear oscillator, with its shape values at force and sensor where these were sought.
 #[derive(Debug, Clone, Serialize)]
@@ -78,7 +78,7 @@ pub(crate) struct CoupledSummary {
     pub(crate) joints: Vec<CoupledJointSummary>,
     pub(crate) models: Vec<ModelSummary>,
     pub(crate) told: Vec<CombinationSummary>,
-    pub(crate) warnings: Vec<String>,
+    pub(crate) warnings: Warnings,
 }
 
 /// Unknowns whose share of a combination is below this are not named in it.
@@ -137,7 +137,7 @@ impl CoupledSummary {
             told: told(fit, names),
             records,
             held_out,
-            warnings,
+            warnings: warnings.into_iter().collect(),
         }
     }
 

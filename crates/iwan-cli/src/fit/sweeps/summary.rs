@@ -9,7 +9,7 @@ use serde::Serialize;
 use super::measurement::Measurement;
 use crate::fit::joint::{Estimate, JointFit};
 use crate::page::numbers::short;
-use crate::session::Summary;
+use crate::session::{Summary, Warnings};
 
 /// The fit of one mode.
 #[derive(Debug, Clone, Serialize)]
@@ -20,7 +20,7 @@ pub(crate) struct SweepSummary {
     pub(super) measurements: Vec<MeasurementSummary>,
     /// The fitted mode, as a list of one.
     pub(super) modes: Vec<SteadyMode>,
-    pub(super) warnings: Vec<String>,
+    pub(super) warnings: Warnings,
 }
 
 /// One file of the test.
@@ -92,7 +92,8 @@ impl SweepSummary {
             records.iter().map(String::as_str).chain(files.iter().map(|m| m.file.as_str())).collect();
         let title = format!("Fit of {}", all.join(", "));
         let mode = SteadyMode::new(name, fit, &files);
-        Self { title, records, measurements: files, modes: vec![mode], warnings: Vec::new() }
+        let warnings = mode.joint.doubt("these measurements").into_iter().collect();
+        Self { title, records, measurements: files, modes: vec![mode], warnings }
     }
 }
 
