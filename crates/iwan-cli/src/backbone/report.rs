@@ -10,8 +10,8 @@ use crate::page::figure::{Axis, Figure, Layer, Mark, Marker, colour};
 use crate::page::html::{grid, page, warnings};
 use crate::page::numbers::long;
 
-/// Colours of the harmonics, in turn.
-const COLOURS: [&str; 5] = [colour::VERMILLION, colour::GREEN, colour::PURPLE, colour::ORANGE, colour::GREY];
+/// Most slips with a line of their own: more would cover each other.
+const MOST_SLIPS: usize = 5;
 
 /// The page.
 pub(super) fn render(traced: &[Traced], summary: &BackboneSummary) -> String {
@@ -83,7 +83,7 @@ fn harmonics(traced: &Traced) -> Option<Figure> {
     }
     let layer = |index: usize| {
         let points = line(traced, |p| p.response[index] / p.response[0]);
-        Layer::new(Mark::Line, COLOURS[(index - 1) % COLOURS.len()], points)
+        Layer::new(Mark::Line, colour::beside(colour::BLUE, index - 1), points)
             .named(format!("harmonic {}", 2 * index + 1))
     };
     Some(Figure {
@@ -109,7 +109,7 @@ fn slips(traced: &Traced) -> Option<Figure> {
     let shown: Vec<usize> = (0..traced.slips.len()).filter(|&j| first.slips[j][0] > LEAST * most).collect();
     let layer = |(n, &j): (usize, &usize)| {
         let points = line(traced, |p| p.slips[j][0] / p.amplitude);
-        Layer::new(Mark::Line, COLOURS[n % COLOURS.len()], points).named(traced.slips[j].clone())
+        Layer::new(Mark::Line, colour::beside(colour::BLUE, n), points).named(traced.slips[j].clone())
     };
     Some(Figure {
         title: "Slips".into(),
@@ -117,7 +117,7 @@ fn slips(traced: &Traced) -> Option<Figure> {
             .into(),
         x: Axis::log("amplitude of q", ""),
         y: Axis::log("slip / amplitude", ""),
-        layers: shown.iter().take(COLOURS.len()).enumerate().map(layer).collect(),
+        layers: shown.iter().take(MOST_SLIPS).enumerate().map(layer).collect(),
         marker: None,
     })
 }

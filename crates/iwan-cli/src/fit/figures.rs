@@ -28,8 +28,6 @@ const WIDE: f64 = 5.0;
 /// Densities below this part of the largest one in the informed range are not drawn: a free-form density may vanish between its peaks, and three
 /// decades are enough to compare the peaks.
 const FAINT: f64 = 1e-3;
-/// Colours of records, in turn; a fifth record has the first colour again.
-const RECORDS: [&str; 4] = [colour::BLUE, colour::GREEN, colour::PURPLE, colour::ORANGE];
 
 /// A fit and the units of its records.
 #[derive(Debug, Clone, Copy)]
@@ -189,7 +187,7 @@ impl Fitted<'_> {
         };
         let mut layers = Vec::new();
         for (n, c) in self.i.curves.iter().enumerate() {
-            let colour = RECORDS[n % RECORDS.len()];
+            let colour = colour::beside(colour::VERMILLION, n);
             let edge = |upper: bool| {
                 let point = |k: usize| {
                     let (low, high) = (panel.edges)(c, k);

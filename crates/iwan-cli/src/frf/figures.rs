@@ -6,9 +6,6 @@ use super::loops::{Loop, level};
 use super::responses::Response;
 use crate::page::figure::{Axis, Figure, Layer, Mark, colour};
 
-/// Colours of the levels, in turn.
-const COLOURS: [&str; 5] = [colour::BLUE, colour::VERMILLION, colour::GREEN, colour::PURPLE, colour::ORANGE];
-
 /// Most levels that have a name in the legend: more would cover the plane.
 const NAMED: usize = 8;
 
@@ -29,7 +26,7 @@ pub(super) fn figures(response: &Response) -> Vec<Figure> {
 fn lines(response: &Response, y: impl Fn(&SteadyPoint) -> f64) -> Vec<Layer> {
     let line = |(n, curve): (usize, &SteadyCurve)| {
         let points = curve.points.iter().map(|point| (point.frequency, y(point))).collect();
-        let layer = Layer::new(Mark::Line, COLOURS[n % COLOURS.len()], points);
+        let layer = Layer::new(Mark::Line, colour::of(n), points);
         if n < NAMED { layer.named(level(curve)) } else { layer }
     };
     response.curves.iter().enumerate().map(line).collect()
@@ -120,7 +117,7 @@ fn harmonics(response: &Response) -> Option<Figure> {
     }
     let layer = |index: usize| {
         let points = curve.points.iter().map(|point| (point.frequency, point.harmonics[index][0]));
-        Layer::new(Mark::Line, COLOURS[index % COLOURS.len()], points.filter(|point| point.1 > 0.0).collect())
+        Layer::new(Mark::Line, colour::of(index), points.filter(|point| point.1 > 0.0).collect())
             .named(format!("harmonic {}", 2 * index + 3))
     };
     let mut layers: Vec<Layer> = (0..count).map(layer).collect();
@@ -146,7 +143,7 @@ fn harmonics(response: &Response) -> Option<Figure> {
 /// Hysteresis loops of the joints.
 fn loops(response: &Response) -> Option<Figure> {
     let layer = |(n, one): (usize, &Loop)| {
-        Layer::new(Mark::Line, COLOURS[n % COLOURS.len()], one.points()).named(one.name.clone())
+        Layer::new(Mark::Line, colour::of(n), one.points()).named(one.name.clone())
     };
     let layers: Vec<Layer> = response.loops.iter().take(NAMED).enumerate().map(layer).collect();
     if layers.is_empty() {

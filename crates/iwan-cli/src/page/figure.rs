@@ -8,6 +8,21 @@ use super::scale::{Scale, Spread, Ticks, superscript};
 
 /// Colours of Okabe and Ito, which colour-blind readers can tell apart, too.
 pub(crate) mod colour {
+    /// Colours of curves side by side, in turn. Behind those of Okabe and Ito stand three dark ones of Tol's "muted" scheme.
+    const SERIES: [&str; 9] =
+        [BLUE, VERMILLION, GREEN, PURPLE, ORANGE, "#56B4E9", "#882255", "#999933", "#332288"];
+
+    /// Colour of curve `n` of several; the tenth has the first colour again.
+    pub(crate) const fn of(n: usize) -> &'static str {
+        SERIES[n % SERIES.len()]
+    }
+
+    /// Colour of curve `n` of several beside one in the colour `taken`; the ninth has the first colour again.
+    pub(crate) fn beside(taken: &str, n: usize) -> &'static str {
+        let mut others = SERIES.into_iter().filter(|colour| *colour != taken).cycle();
+        others.nth(n).unwrap_or(GREY)
+    }
+
     pub(crate) const BLUE: &str = "#0072B2";
     pub(crate) const VERMILLION: &str = "#D55E00";
     pub(crate) const GREEN: &str = "#009E73";

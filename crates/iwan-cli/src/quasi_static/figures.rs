@@ -6,10 +6,8 @@ use super::analysis::Analysed;
 use crate::page::figure::{Axis, Figure, Layer, Mark, colour};
 use crate::structures::Linear;
 
-/// Colours of the slips, the largest first.
-const COLOURS: [&str; 5] = [colour::BLUE, colour::VERMILLION, colour::GREEN, colour::PURPLE, colour::ORANGE];
-/// Most slips with a line of their own, the largest first: as many as there are colours.
-const MOST_SLIPS: usize = COLOURS.len();
+/// Most slips with a line of their own, the largest first: more would cover each other.
+const MOST_SLIPS: usize = 5;
 /// Slips below this part of the largest are not drawn. Symmetry forbids them, what is left is rounding, and on a logarithmic axis it would squeeze
 /// all others together. On the paper's beam the rounding is 3e-11 of the largest slip and the smallest genuine slip 3e-5: any limit between them
 /// does.
@@ -108,7 +106,7 @@ fn slips(linear: &Linear, mode: &Analysed) -> Figure {
     slips.retain(|slip| largest(slip.1) >= least);
     let layer = |(n, (name, values)): (usize, &(&str, &Vec<f64>))| {
         let sizes: Vec<f64> = values.iter().map(|s| s.abs()).collect();
-        Layer::new(Mark::Line, COLOURS[n % COLOURS.len()], points(mode, &sizes)).named(*name)
+        Layer::new(Mark::Line, colour::of(n), points(mode, &sizes)).named(*name)
     };
     Figure {
         title: "Slips".into(),

@@ -14,9 +14,6 @@ use super::units::{DISPLACEMENT, ENERGY, FORCE};
 use crate::page::decimate::{history, thin};
 use crate::page::figure::{Axis, Figure, Layer, Mark, Marker, colour};
 
-/// One colour per level.
-const COLOURS: [&str; 6] =
-    [colour::BLUE, colour::ORANGE, colour::GREEN, colour::PURPLE, colour::VERMILLION, colour::GREY];
 /// Most dots of a measured curve: up to six curves share a figure, whose axis is 494 units long, and the dots of all must stay apart.
 const MEASURED: usize = 40;
 /// Points of a model's curve: straight pieces of four units of the axis look smooth.
@@ -147,7 +144,9 @@ impl Drawing<'_> {
         let mut layers: Vec<Layer> = self
             .on_force()
             .iter()
-            .map(|(n, c)| Layer::new(Mark::Dots, COLOURS[*n], points(&c.force, choose(c))).named(level(*n)))
+            .map(|(n, c)| {
+                Layer::new(Mark::Dots, colour::of(*n), points(&c.force, choose(c))).named(level(*n))
+            })
             .collect();
         let fitted = LEVELS.iter().filter(|level| **level <= FITTED).count();
         for DrawnLaw { name, colour, mark, law } in self.laws() {
@@ -261,7 +260,7 @@ impl Drawing<'_> {
 
     fn all_levels(&self, choose: fn(&Curves) -> &Vec<f64>) -> Vec<Layer> {
         let layer = |(n, c): (usize, &Curves)| {
-            Layer::new(Mark::Dots, COLOURS[n], points(&c.displacement, choose(c))).named(level(n))
+            Layer::new(Mark::Dots, colour::of(n), points(&c.displacement, choose(c))).named(level(n))
         };
         self.mode.curves.iter().enumerate().map(layer).collect()
     }

@@ -8,7 +8,6 @@ use crate::modal::composite;
 use crate::page::decimate::{history, thin};
 use crate::page::figure::{Axis, Figure, Layer, Mark, colour};
 
-const COLOURS: [&str; 4] = [colour::BLUE, colour::VERMILLION, colour::GREEN, colour::PURPLE];
 /// Most dots of a measured curve: three curves share a figure, whose axis is 494 units long.
 const MEASURED: usize = 60;
 /// Points of the envelope, a smooth line drawn over its history.
@@ -64,12 +63,8 @@ fn sensors(hit: &Hit) -> Figure {
     let layer = |(n, DrawnSensor { name, samples }): (usize, &DrawnSensor)| {
         let part: Vec<(f64, f64)> =
             (from..(from + stretch).min(samples.len())).map(|i| (i as f64 * hit.dt, samples[i])).collect();
-        Layer::new(
-            if n % 2 == 0 { Mark::Line } else { Mark::Dashed },
-            COLOURS[n % COLOURS.len()],
-            thin(&part, CLOSE),
-        )
-        .named(name.clone())
+        Layer::new(if n % 2 == 0 { Mark::Line } else { Mark::Dashed }, colour::of(n), thin(&part, CLOSE))
+            .named(name.clone())
     };
     Figure {
         title: format!("Fig. 14: sensors in the band, scaled, hit of {} N", hit.force),
@@ -118,8 +113,7 @@ fn average(hit: &Hit) -> Figure {
 /// One layer of dots per hit.
 fn of_hits(lab: &Laboratory, points: &dyn Fn(&Hit) -> Vec<(f64, f64)>) -> Vec<Layer> {
     let layer = |(n, hit): (usize, &Hit)| {
-        Layer::new(Mark::Dots, COLOURS[n % COLOURS.len()], thin(&points(hit), MEASURED))
-            .named(format!("{} N", hit.force))
+        Layer::new(Mark::Dots, colour::of(n), thin(&points(hit), MEASURED)).named(format!("{} N", hit.force))
     };
     lab.hits.iter().enumerate().map(layer).collect()
 }

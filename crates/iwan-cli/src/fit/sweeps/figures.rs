@@ -10,8 +10,6 @@ use super::predicted::Curve;
 use crate::page::figure::{Axis, Figure, Layer, Mark, Marker, colour};
 use crate::page::numbers::short;
 
-/// Colours of the levels, in turn.
-const COLOURS: [&str; 5] = [colour::BLUE, colour::VERMILLION, colour::GREEN, colour::PURPLE, colour::ORANGE];
 /// Most levels that have a name in the legend.
 const NAMED: usize = 8;
 /// Number of amplitudes of a predicted backbone.
@@ -67,11 +65,11 @@ fn layers(
     let mut layers = Vec::new();
     for curve in shown.curves {
         let line = curve.points.iter().map(|p| (p[0], predicted(p))).collect();
-        layers.push(Layer::new(Mark::Line, COLOURS[curve.level % COLOURS.len()], line));
+        layers.push(Layer::new(Mark::Line, colour::of(curve.level), line));
     }
     for (n, level) in shown.measurement.levels.iter().enumerate() {
         let dots = level.points.iter().map(|&i| (points[i].frequency, measured(&points[i]))).collect();
-        let layer = Layer::new(Mark::Dots, COLOURS[n % COLOURS.len()], dots);
+        let layer = Layer::new(Mark::Dots, colour::of(n), dots);
         layers.push(if n < NAMED { layer.named(name(level)) } else { layer });
     }
     layers
@@ -92,7 +90,7 @@ pub(super) fn backbones(mode: &Mode, fit: &SteadyFit, measurements: &[Measuremen
     };
     let (mut frequency, mut damping) = (Vec::new(), Vec::new());
     for (n, measurement) in measurements.iter().enumerate() {
-        let colour = COLOURS[n % COLOURS.len()];
+        let colour = colour::of(n);
         let seen = shown(measurement, fit.others);
         let dots = |which: usize| seen.iter().map(|s| (s[0], s[which])).collect();
         frequency.push(Layer::new(Mark::Dots, colour, dots(1)).named(measurement.file.clone()));
