@@ -13,12 +13,55 @@ use crate::address_space::address_space;
 /// Address space, bytes, below which work is done on one thread.
 const ROOMY: u64 = 4 << 30;
 
+/// Number of threads that may work at once, the one that set it included; no limit by default, so that nested work may begin more threads than
+/// there are cores and the system shares them out.
+static LIMIT: AtomicUsize = AtomicUsize::new(usize::MAX);
+/// Number of threads that were begun here and work.
+static BEGUN: AtomicUsize = AtomicUsize::new(0);
+
+/// Lets at most `threads` threads work at once from now on, in whatever depth work begins work; 0 counts as 1.
+///
+/// ```
+/// iwan_machine::threads::limit(1);
+/// let name = || std::thread::current().id();
+/// assert_eq!(iwan_machine::threads::together(8, &name), [name()]);
+/// ```
+pub fn limit(threads: usize) {
+    LIMIT.store(threads.max(1), Ordering::Relaxed);
+}
+
+/// Number of threads that [`limit`] lets work at once; none without a limit.
+#[must_use]
+pub fn limited() -> Option<usize> {
+    Some(LIMIT.load(Ordering::Relaxed)).filter(|threads| *threads < usize::MAX)
+}
+
+/// The right to begin one thread more, given back when it ends.
+struct Place;
+
+impl Place {
+    fn take() -> Option<Self> {
+        if is_crowded() {
+            return None;
+        }
+        let most = LIMIT.load(Ordering::Relaxed) - 1;
+        let more = |begun: usize| (begun < most).then_some(begun + 1);
+        BEGUN.fetch_update(Ordering::Relaxed, Ordering::Relaxed, more).ok().map(|_| Self)
+    }
+}
+
+impl Drop for Place {
+    fn drop(&mut self) {
+        BEGUN.fetch_sub(1, Ordering::Relaxed);
+    }
+}
+
 /// Whether the calling thread does better alone: a thread that starts without room for its signal stack aborts the process.
 fn is_crowded() -> bool {
     address_space() < ROOMY
 }
 
-/// Number of threads that the system runs at once; one where it does not say, and where `ulimit -v` leaves less than 4 GB of address space: each
+/// Number of threads that the system runs at once, [`limit`] at most; one where it does not say, and where `ulimit -v` leaves less than 4 GB of address space: each
 /// thread reserves room for its stack, its share of the allocator and the kernels of dense matrices, hundreds of megabytes that it hardly uses.
 ///
 /// ```
@@ -29,7 +72,7 @@ pub fn at_once() -> usize {
     if is_crowded() {
         return 1;
     }
-    std::thread::available_parallelism().map_or(1, NonZeroUsize::get)
+    std::thread::available_parallelism().map_or(1, NonZeroUsize::get).min(LIMIT.load(Ordering::Relaxed))
 }
 
 /// Runs `work` on the calling thread and on up to `threads - 1` others at once, and returns the result of each, that of the calling thread
@@ -43,9 +86,15 @@ pub fn at_once() -> usize {
 /// ```
 pub fn together<R: Send>(threads: usize, work: &(dyn Fn() -> R + Sync)) -> Vec<R> {
     std::thread::scope(|scope| {
-        let helper = |_| Builder::new().spawn_scoped(scope, work).ok();
-        let wanted = if is_crowded() { 1 } else { threads };
-        let helpers: Vec<_> = (1..wanted).map_while(helper).collect();
+        let helper = |_| {
+            let place = Place::take()?;
+            let run = move || {
+                let _place = place;
+                work()
+            };
+            Builder::new().spawn_scoped(scope, run).ok()
+        };
+        let helpers: Vec<_> = (1..threads).map_while(helper).collect();
         let mut results = vec![work()];
         for helper in helpers {
             match helper.join() {
@@ -86,11 +135,13 @@ pub fn in_parallel<I: Sync, R: Send>(items: &[I], threads: usize, work: &(dyn Fn
 /// assert_eq!(iwan_machine::threads::both(&|| 6 * 7, &|| "x"), (42, "x"));
 /// ```
 pub fn both<A, B: Send>(first: &dyn Fn() -> A, second: &(dyn Fn() -> B + Sync)) -> (A, B) {
-    if is_crowded() {
-        return (first(), second());
-    }
+    let Some(place) = Place::take() else { return (first(), second()) };
     std::thread::scope(|scope| {
-        let Ok(other) = Builder::new().spawn_scoped(scope, second) else { return (first(), second()) };
+        let run = move || {
+            let _place = place;
+            second()
+        };
+        let Ok(other) = Builder::new().spawn_scoped(scope, run) else { return (first(), second()) };
         let first = first();
         match other.join() {
             Ok(second) => (first, second),
@@ -132,7 +183,34 @@ pub fn begin<F: FnOnce() + Send + 'static>(name: &str, work: F) -> Result<(), F>
 
 #[cfg(test)]
 mod tests {
-    use super::in_parallel;
+    use std::sync::atomic::{AtomicUsize, Ordering};
+    use std::time::Duration;
+
+    use super::{LIMIT, both, in_parallel, limit};
+
+    /// Work within work began threads without end: a fit with `--threads 1` kept all cores busy.
+    #[test]
+    fn no_more_threads_work_than_are_allowed() {
+        let (working, most) = (AtomicUsize::new(0), AtomicUsize::new(0));
+        let work = |_: &u32| {
+            most.fetch_max(working.fetch_add(1, Ordering::SeqCst) + 1, Ordering::SeqCst);
+            std::thread::sleep(Duration::from_millis(2));
+            working.fetch_sub(1, Ordering::SeqCst);
+        };
+        let items = [0_u32; 6];
+        let inner = |_: &u32| both(&|| in_parallel(&items, 6, &work), &|| in_parallel(&items, 6, &work));
+        for threads in [1, 2, 3] {
+            limit(threads);
+            most.store(0, Ordering::SeqCst);
+            in_parallel(&items[..3], 3, &inner);
+            // Other tests of this program may hold places, too.
+            let most = most.load(Ordering::SeqCst);
+            assert!((1..=threads).contains(&most), "{most} of {threads}");
+        }
+        LIMIT.store(usize::MAX, Ordering::Relaxed);
+        in_parallel(&items[..3], 3, &inner);
+        assert!(most.load(Ordering::SeqCst) > 3);
+    }
 
     #[test]
     fn the_order_stays_whatever_the_threads() {

@@ -15,6 +15,7 @@ use std::sync::Arc;
 use iwan_io::Table;
 use iwan_machine::Kind;
 use iwan_machine::checkpoint::{Checkpoint, Digest};
+use iwan_machine::threads::limit;
 
 use crate::args::{Common, Format, Keeping};
 use crate::failure::{Failure, VERSION};
@@ -86,6 +87,9 @@ impl Session {
     ) -> Result<Self, Failure> {
         let files: Vec<String> = files.into_iter().map(Into::into).collect();
         let names: Vec<&str> = files.iter().map(String::as_str).collect();
+        if let Some(threads) = common.threads {
+            limit(threads.get());
+        }
         // Ctrl-C is caught before there is a folder that it could leave behind.
         progress::catch_interrupts();
         let results = Results::open(place.given, place.default, place.force, &names)?;

@@ -6,7 +6,7 @@
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, Par};
 use iwan_machine::memory::{ask_for_kernels, is_address_space_bounded};
-use iwan_machine::threads::at_once;
+use iwan_machine::threads::{at_once, limited};
 
 use crate::error::Error;
 
@@ -30,15 +30,16 @@ fn reserve() {
 }
 
 impl Workers {
-    /// The threads for work with a factor of this many entries: as many threads as cores, or as many as RAYON_NUM_THREADS says.
+    /// The threads for work with a factor of this many entries: as many as [`limited`] says, or as RAYON_NUM_THREADS says, or as there are
+    /// cores.
     ///
     /// # Errors
     /// An error if there is too little address space for what the kernels reserve on each thread.
     pub(crate) fn for_entries(entries: usize) -> Result<Self, Error> {
         // Where address space is scarce there is no room for the kernels of several threads.
         let many = entries >= LARGE && at_once() > 1;
-        let pool = many.then(|| rayon::ThreadPoolBuilder::new().build());
-        // If no thread can be created, the work is done on the calling thread.
+        let pool = many.then(|| rayon::ThreadPoolBuilder::new().num_threads(limited().unwrap_or(0)).build());
+        // 0 threads stand for the number of the environment or of the cores. If no thread can be created, the work is done on the calling thread.
         let pool = pool.and_then(Result::ok);
         ask_for_kernels(pool.as_ref().map_or(0, rayon::ThreadPool::current_num_threads))?;
         if is_address_space_bounded() {
