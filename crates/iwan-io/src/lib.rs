@@ -35,7 +35,7 @@ mod door;
 pub mod atomic;
 mod table;
 
-pub use assembly::quantity_of_unit;
+pub use assembly::{quantity_of_unit, unit_of_times};
 pub use bytes::{NumberType, Order};
 pub use door::{MeasuredChannel, Measurement, ModalTest, read, read_bytes, read_modal_test};
 pub use error::ReadError;

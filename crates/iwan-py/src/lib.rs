@@ -31,6 +31,12 @@ mod _native {
     #[pymodule_export]
     use crate::command::_command;
     #[pymodule_export]
+    use crate::exchange::files::_write_text;
+    #[pymodule_export]
+    use crate::exchange::named::{_number, _numbers, _whole};
+    #[pymodule_export]
+    use crate::exchange::options::_ask;
+    #[pymodule_export]
     use crate::modal::_modal_fit;
     #[pymodule_export]
     use crate::records::coupled_fit::{_fit_coupled, FittedCoupled};
@@ -41,7 +47,7 @@ mod _native {
     #[pymodule_export]
     use crate::records::likelihood::{_likelihood, Likelihood};
     #[pymodule_export]
-    use crate::records::record::{_read_bytes, _record, Record, read_record};
+    use crate::records::record::{_read_bytes, _record, _seconds_in, Record, read_record};
     #[pymodule_export]
     use crate::records::sweeps::{_fit_sweeps, FittedSweeps};
     #[pymodule_export]

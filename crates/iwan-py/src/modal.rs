@@ -9,12 +9,11 @@ use pyo3::types::{PyDict, PyList};
 
 use crate::exchange::array::{Numbers, array, shaped};
 use crate::exchange::errors::{identification_failed, of, value};
+use crate::exchange::named::item;
 use crate::exchange::options::choose;
 use crate::exchange::work;
 
 /// What the hits were, and how they are looked at.
-#[derive(FromPyObject)]
-#[pyo3(from_item_all)]
 pub(crate) struct Request {
     dt: f64,
     names: Vec<String>,
@@ -29,6 +28,26 @@ pub(crate) struct Request {
     poles: Option<Vec<f64>>,
     add_poles: Vec<f64>,
     drop_poles: Vec<f64>,
+}
+
+impl Request {
+    fn read(arguments: &Bound<'_, PyAny>) -> PyResult<Self> {
+        Ok(Self {
+            dt: item(arguments, "dt")?,
+            names: item(arguments, "names")?,
+            force_at: item(arguments, "force_at")?,
+            quantity: item(arguments, "quantity")?,
+            estimator: item(arguments, "estimator")?,
+            decay: item(arguments, "decay")?,
+            whole_force: item(arguments, "whole_force")?,
+            band: item(arguments, "band")?,
+            method: item(arguments, "method")?,
+            order: item(arguments, "order")?,
+            poles: item(arguments, "poles")?,
+            add_poles: item(arguments, "add_poles")?,
+            drop_poles: item(arguments, "drop_poles")?,
+        })
+    }
 }
 
 /// The measurement: hits with a force, or free decays.
@@ -54,7 +73,7 @@ pub(crate) fn _modal_fit<'py>(
     py: Python<'py>,
     forces: Option<&Bound<'py, PyAny>>,
     responses: &Bound<'py, PyAny>,
-    request: Request,
+    #[pyo3(from_py_with = Request::read)] request: Request,
 ) -> PyResult<Bound<'py, PyDict>> {
     let motions = [
         ("acceleration", Motion::Acceleration),

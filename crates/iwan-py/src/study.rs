@@ -3,6 +3,7 @@
 use pyo3::prelude::*;
 
 use crate::exchange::errors::computation;
+use crate::exchange::named;
 use crate::exchange::options::thread_count;
 use crate::exchange::work;
 
@@ -14,7 +15,7 @@ const PARTS: f64 = 1000.0;
 #[pyo3(signature = (*, threads, progress))]
 pub(crate) fn _reproduce(
     py: Python<'_>,
-    threads: Option<usize>,
+    #[pyo3(from_py_with = named::threads)] threads: Option<usize>,
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<String> {
     let threads = thread_count(threads)?;

@@ -143,3 +143,94 @@ def test_times_in_an_index_and_in_a_column_are_the_same_record():
     missing = pandas.DataFrame({"acc": pandas.array([1, None, 2, 3], dtype="Int64")}, index=t)
     with pytest.raises(iwan.RecordError, match="acc"):
         iwan.as_record(missing)
+
+
+@pytest.mark.parametrize("unit", ["furlong", "fortnight", "minuets", "ps"])
+def test_what_is_no_unit_of_time_is_refused_everywhere(unit):
+    """Arrays called `Time [furlong]` were read in seconds."""
+    array = xarray.DataArray(A, dims="time", coords={"time": ("time", T, {"units": unit})})
+    name = f"Time [{unit}]"
+    frame = pandas.DataFrame({name: T, "a": A})
+    for data in [{name: T, "a": A}, {f"t ({unit})": T, "a": A}, frame, frame.set_index(name), frame.set_index(name)["a"], array,
+                 {f"dt [{unit}]": 0.01, "a": A}]:
+        with pytest.raises(iwan.RecordError, match=unit) as caught:
+            iwan.as_record(data)
+        assert caught.value.kind == "time-unit"
+        assert "--" not in str(caught.value)
+
+
+def test_units_of_time_are_obeyed_everywhere(tmp_path):
+    """In whatever spelling the command line takes in a CSV file."""
+    for unit, seconds in [("ms", 1e-3), ("µs", 1e-6), ("us", 1e-6), ("ns", 1e-9), ("Minutes", 60.0), ("min", 60.0), ("hrs", 3600.0), ("SEC", 1.0)]:
+        t, name = T * 1e-3 / seconds, f"Time [{unit}]"
+        (tmp_path / "r.csv").write_text(f"{name},a\n" + "".join(f"{x!r},{y!r}\n" for x, y in zip(t.tolist(), A.tolist())))
+        expected = iwan.read_record(tmp_path / "r.csv")
+        assert expected.dt == pytest.approx(1e-5)
+        frame = pandas.DataFrame({name: t, "a": A})
+        array = xarray.DataArray(A, dims="time", coords={"time": ("time", t, {"units": unit})}, name="a")
+        for data in [{name: t, "a": A}, frame, frame.set_index(name), array, {f"dt [{unit}]": t[1], "a": A}]:
+            record = iwan.as_record(data)
+            assert record.dt == pytest.approx(expected.dt) and record.names == ["a"], (unit, type(data))
+    assert iwan.as_record({"fs [kHz]": 2.0, "a": A}).dt == pytest.approx(5e-4)
+
+
+def test_arguments_that_a_kind_of_data_goes_without_are_refused():
+    """They were ignored without a word."""
+    record = iwan.as_record({"t": T, "a": A})
+    array = xarray.DataArray(A, dims="time", coords={"time": T})
+    frame = pandas.DataFrame({"a": A}, index=T)
+    for call in [
+        lambda: iwan.as_record(record, quantity="velocity"),
+        lambda: iwan.as_record(record, channels=["b"]),
+        lambda: iwan.as_record(A, dt=0.1, channels=["b"]),
+        lambda: iwan.as_record(A, dt=0.1, time="t"),
+        lambda: iwan.as_record(A, dt=0.1, resample=True),
+        lambda: iwan.as_record(array, time="clock"),
+        lambda: iwan.as_record(array, channels=["b"]),
+        lambda: iwan.as_record(frame, time="clock"),
+    ]:
+        with pytest.raises(iwan.InvalidValueError):
+            call()
+    assert iwan.as_record(frame.rename_axis("clock"), time="clock").dt == pytest.approx(0.01)
+
+
+def test_arrays_without_times_are_no_records():
+    """The numbers of rows were taken for seconds."""
+    with pytest.raises(iwan.RecordError, match="no coordinate"):
+        iwan.as_record(xarray.DataArray(A, dims="time"))
+    filtered = pandas.DataFrame({"a": A, "b": B})[A > -2.0]
+    filtered.index = np.arange(len(filtered))
+    with pytest.raises(iwan.RecordError):
+        iwan.as_record(filtered)
+    assert iwan.as_record(xarray.DataArray(A, dims="time"), dt=0.01).dt == pytest.approx(0.01)
+    response = iwan.simulate(iwan.Mode(frequency=10.0), dt=1e-2, duration=1.0, initial=(1.0, 0.0))
+    with pytest.raises(iwan.InvalidTypeError, match="velocity"):
+        iwan.as_record(response.to_xarray())
+    velocity = iwan.as_record(response.to_xarray()["velocity"])
+    assert velocity.dt == pytest.approx(1e-2) and velocity.quantity == "velocity"
+
+
+def test_what_holds_no_numbers_is_named():
+    """Text, truth values and complex numbers vanished without a word, as did the first of two columns of one name."""
+    record = iwan.as_record({"t": T, "a": A, "b": A.astype(str), "c": A > 0.0, "d": A + 1j})
+    assert record.names == ["a"]
+    for name in "bcd":
+        assert any(f"'{name}'" in warning for warning in record.warnings), record.warnings
+    with pytest.raises(iwan.InvalidTypeError, match="'b'"):
+        iwan.as_record({"t": T, "a": A, "b": A.astype(str)}, channels=["a", "b"])
+    with pytest.raises(iwan.InvalidTypeError, match="complex"):
+        iwan.as_record({"t": T, "a": A + 1j} | {"t": T.astype(str)})
+    twice = pandas.DataFrame(np.column_stack([A, B]), columns=["a", "a"], index=T)
+    for data in [twice, {1: A, "1": B, "t": T}, {"x.a": A, "x": {"a": B}, "t": T}]:
+        with pytest.raises(iwan.RecordError, match="called"):
+            iwan.as_record(data)
+    for name in ["file", "allow_pickle", "args"]:
+        assert iwan.as_record({"t": T, name: A}).names == [name]
+
+
+@pytest.mark.parametrize("dtype", [np.float16, np.float32, np.longdouble, ">f8", ">i2", np.uint8])
+def test_all_types_of_real_numbers_come_in(dtype):
+    values = (100.0 * A + 20.0).astype(dtype)
+    for data in [{"t": T, "a": values}, pandas.DataFrame({"t": T, "a": values.astype(values.dtype.newbyteorder("="))}), {"t": T, "a": values[::-1]}]:
+        found = iwan.as_record(data).samples[0]
+        np.testing.assert_array_equal(found, np.asarray(data["a"]).astype(np.float64))

@@ -12,6 +12,6 @@ mod variables;
 pub(crate) use alike::{SAME_INTERVAL, unlike};
 pub(crate) use assemble::{Axis, Channel, Raw, all_channels, assemble};
 pub(crate) use sampling::last_digit;
-pub use units::quantity_of_unit;
+pub use units::{quantity_of_unit, unit_of_times};
 pub(crate) use variable::Variable;
 pub(crate) use variables::Chooser;

@@ -80,9 +80,16 @@ pub(crate) fn split_unit(header: &str) -> Label {
         .unwrap_or_else(|| Label::new(header, ""))
 }
 
-/// The unit of time in the name of an array, such as `Time [ms]`; empty where the name has none.
-pub(crate) fn time_unit_in(name: &str) -> String {
-    split_unit(name).unit.parse::<TimeUnit>().map_or_else(|_| String::new(), |unit| unit.to_string())
+/// The unit in the name of times, as in `Time [ms]`, by the rules for headers of columns; empty where the name states none. It need not be a
+/// unit of time.
+///
+/// ```
+/// use iwan_io::unit_of_times;
+/// assert_eq!((unit_of_times("t_ms").as_str(), unit_of_times("Time [furlong]").as_str()), ("ms", "furlong"));
+/// ```
+#[must_use]
+pub fn unit_of_times(name: &str) -> String {
+    split_unit(name).unit
 }
 
 /// The known unit in brackets at the end of an array's name; empty where the name has none.

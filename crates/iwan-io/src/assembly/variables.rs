@@ -9,7 +9,6 @@ use crate::error::ReadError;
 use crate::file_bytes::FileBytes;
 use crate::options::ReadOptions;
 use crate::quantity::Quantity;
-use crate::time_unit::TimeUnit;
 use crate::warning::Warning;
 use iwan_machine::listed;
 
@@ -38,7 +37,7 @@ impl Chooser<'_> {
         }
         if matches!(axis, Axis::None) {
             self.ask_about_first(&variables, &names)?;
-            axis = step_from_scalars(&variables);
+            axis = self.step_from_scalars(&variables)?;
         }
         let chosen = !self.options.channels.is_empty();
         let channels = if chosen {
@@ -113,7 +112,7 @@ impl Chooser<'_> {
     /// The times in seconds: the user's unit of time, or else the file's.
     fn in_seconds(&self, time: Variable, warnings: &mut Vec<Warning>) -> Result<Axis, ReadError> {
         let Variable { name, unit, mut values, .. } = time;
-        let unit = if unit.is_empty() { units::time_unit_in(&name) } else { unit };
+        let unit = if unit.is_empty() { units::unit_of_times(&name) } else { unit };
         let (factor, unit_known) = self.source.seconds(&name, &unit, self.options)?;
         if factor != 1.0 {
             for t in &mut values {
@@ -178,6 +177,42 @@ impl Chooser<'_> {
             "no column is called time, but '{name}' rises from row to row, unevenly, by {mean:.4e} on average, and may be it (--time '{name}' --resample)"
         );
         Err(ReadError::NoTime { file: self.source.file.into(), found, names: names.into() })
+    }
+
+    /// A uniform axis from a single number called `dt` (seconds), or `fs`, `rate` and the like (Hz), or in the unit that its name states; no
+    /// axis where there is none.
+    fn step_from_scalars(&self, variables: &[Variable]) -> Result<Axis, ReadError> {
+        const STEPS: [&str; 4] = ["dt", "delta_t", "time_step", "sampling_interval"];
+        const RATES: [&str; 7] =
+            ["fs", "rate", "sample_rate", "samplerate", "sampling_rate", "fsample", "sampling_frequency"];
+        let scalar = |names: &[&str]| {
+            let named = |v: &Variable| units::base(&units::split_unit(&v.name).name);
+            variables.iter().find(|v| v.values.len() == 1 && names.contains(&named(v).as_str()))
+        };
+        let time = |v: &Variable| {
+            let (factor, _) = self.source.seconds(&v.name, &units::unit_of_times(&v.name), self.options)?;
+            Ok(v.values[0] * factor)
+        };
+        let start = scalar(&["t0", "start"]).map_or(Ok(0.0), time)?;
+        let interval = |v: &Variable| {
+            let hertz = match units::unit_of_times(&v.name).to_lowercase().as_str() {
+                "" | "hz" | "1/s" => 1.0,
+                "khz" => 1e3,
+                "mhz" => 1e6,
+                // The rate that the user gave goes before this one.
+                _ if self.options.rate.is_some() => 1.0,
+                unit => {
+                    let (place, found) = (format!("rate '{}'", v.name), format!("the unit '{unit}'"));
+                    return Err(self.source.malformed(place, found, "Hz, kHz or MHz"));
+                }
+            };
+            Ok(1.0 / (v.values[0] * hertz))
+        };
+        let step = match scalar(&STEPS) {
+            Some(step) => Some(time(step)?),
+            None => scalar(&RATES).map(interval).transpose()?,
+        };
+        Ok(step.map_or(Axis::None, |step| Axis::Even { start, step }))
     }
 
     fn is_channel(&self, name: &str) -> bool {
@@ -263,24 +298,6 @@ fn length_of(axis: &Axis) -> Option<usize> {
     if let Axis::Times { values, .. } = axis { Some(values.len()) } else { None }
 }
 
-/// A uniform axis from a single number called `dt` (seconds), or `fs`, `rate` and the like (Hz); no axis where there is none.
-fn step_from_scalars(variables: &[Variable]) -> Axis {
-    const STEPS: [&str; 4] = ["dt", "delta_t", "time_step", "sampling_interval"];
-    const RATES: [&str; 7] =
-        ["fs", "rate", "sample_rate", "samplerate", "sampling_rate", "fsample", "sampling_frequency"];
-    let scalar = |names: &[&str]| {
-        let is = |v: &&Variable| v.values.len() == 1 && names.contains(&units::base(&v.name).as_str());
-        variables.iter().find(is)
-    };
-    let seconds = |v: &Variable| units::time_unit_in(&v.name).parse().map_or(1.0, TimeUnit::seconds);
-    let time = |v: &Variable| v.values[0] * seconds(v);
-    let start = scalar(&["t0", "start"]).map_or(0.0, time);
-    match scalar(&STEPS).map(time).or_else(|| scalar(&RATES).map(|rate| 1.0 / rate.values[0])) {
-        Some(step) => Axis::Even { start, step },
-        None => Axis::None,
-    }
-}
-
 fn into_channel(v: Variable) -> Channel {
     let unit = if v.unit.is_empty() { units::unit_in(&v.name) } else { v.unit };
     let mut quantity = units::quantity_of_unit(&unit);
@@ -346,6 +363,25 @@ mod tests {
         let raw = choose(vec![dt, array("a[2]", 1, 9)], &ReadOptions::default()).unwrap();
         assert!(matches!(raw.axis, Axis::Even { step, .. } if (step - 50e-6).abs() < 1e-18));
         assert_eq!(raw.channels[0].unit, "");
+    }
+
+    /// Times in furlongs, an interval in fortnights and a rate in kHz were read as seconds and Hz.
+    #[test]
+    fn what_is_no_unit_of_time_is_refused() {
+        for name in ["Time [furlong]", "Time (furlong)", "dt [fortnight]", "fs [rpm]"] {
+            let mut variable = array(name, if name.starts_with('T') { 9 } else { 1 }, 1);
+            variable.values[0] = if name.starts_with('T') { 0.0 } else { 2.0 };
+            let read = choose(vec![variable, array("a", 1, 9)], &ReadOptions::default());
+            let error = read.err().map(|error| error.to_string()).unwrap_or_default();
+            assert!(
+                error.contains("furlong") || error.contains("fortnight") || error.contains("rpm"),
+                "{name}: {error}"
+            );
+        }
+        let mut rate = array("fs [kHz]", 1, 1);
+        rate.values[0] = 2.0;
+        let raw = choose(vec![rate, array("a", 1, 9)], &ReadOptions::default()).unwrap();
+        assert!(matches!(raw.axis, Axis::Even { step, .. } if (step - 5e-4).abs() < 1e-15));
     }
 
     #[test]

@@ -14,6 +14,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from iwan import _native
+from iwan._arguments import path as path_of
 from iwan.errors import FileError, InvalidValueError
 
 _Piece = TypeVar("_Piece")
@@ -33,7 +34,7 @@ class Checkpoint:
     """
 
     def __init__(self, folder: str | os.PathLike[str], of: str, given: Iterable[object], members: int, size: int) -> None:
-        self.folder, self.members, self.size = Path(folder), members, size
+        self.folder, self.members, self.size = path_of("checkpoint", folder), members, size
         said = {"of": of, "version": _native.__version__, "members": members, "size": size, "given": _digest(given)}
         path = self.folder / _SAID
         try:

@@ -463,7 +463,7 @@ def _update(
     curves: Sequence[tuple[str, str, bool, bool, ArrayLike, ArrayLike, ArrayLike]],
     *,
     groups: Mapping[str, Sequence[str]] | None,
-    correct: Sequence[tuple[str, float | None]],
+    correct: Mapping[str, float | None],
     undamped: bool,
     blows: Sequence[tuple[str, bool, float, ArrayLike, Sequence[tuple[str, ArrayLike]]]],
     modes: Sequence[str],
@@ -491,7 +491,7 @@ def _fit_sweeps(
     backbones: Sequence[str | PathLike[str] | tuple[str, Sequence[tuple[str, ArrayLike]]]],
     levels: Sequence[float],
     mass: float | None,
-    hold: Sequence[tuple[str, float]],
+    hold: Mapping[str, float],
     ring_downs: _Identified | None,
     progress: Callable[[int], object] | None,
 ) -> _FittedSweeps: ...
@@ -503,14 +503,14 @@ class _FittedSweeps:
 
 def _frf(
     modes: Sequence[Mode],
-    asked: tuple[str, ArrayLike, tuple[float, float], int, int],
+    asked: tuple[str, ArrayLike, Pair, int, int],
     at: str | None,
     threads: int | None,
 ) -> list[list[dict[str, Any]]]: ...
 def _frf_coupled(
     modes: Sequence[Mode],
     joints: Sequence[tuple[str, Joint, Sequence[float], Sequence[float], float]],
-    asked: tuple[str, ArrayLike, tuple[float, float], int, int],
+    asked: tuple[str, ArrayLike, Pair, int, int],
     at: str | None,
     threads: int | None,
 ) -> list[dict[str, Any]]: ...
@@ -523,7 +523,7 @@ def _backbone_coupled(
 ) -> dict[str, Any]: ...
 def _frf_structure(
     structure: _Structure,
-    asked: tuple[str, ArrayLike, tuple[float, float], int, int],
+    asked: tuple[str, ArrayLike, Pair, int, int],
     direction: tuple[float, float, float] | None,
     given: tuple[str | None, float, int | None],
     threads: int | None,
@@ -546,7 +546,7 @@ def _simulate_structure(
     structure: _Structure,
     *,
     force: Pulse | ArrayLike | None,
-    velocity: Sequence[tuple[str, float]],
+    velocity: Mapping[str, float],
     dt: float,
     duration: float,
     modes: Sequence[str],
@@ -558,6 +558,13 @@ def _simulate_structure(
     quality: bool,
     progress: Callable[[int], object] | None,
 ) -> dict[str, Any]: ...
+
+# Behind all functions that are written in Python.
+def _number(name: str, given: object) -> float: ...
+def _whole(name: str, given: object) -> int: ...
+def _numbers(name: str, given: object) -> Array: ...
+def _ask(what: str, bytes: int, remedy: str) -> None: ...
+def _write_text(path: str | PathLike[str], text: str, force: bool) -> None: ...
 
 # Behind the command `iwan`.
 def _command(arguments: Sequence[str]) -> int: ...
@@ -608,4 +615,6 @@ def _read_bytes(
     rate: float | None,
     quantity: str | None,
     resample: bool,
+    left_out: Sequence[tuple[str, str]],
 ) -> Record: ...
+def _seconds_in(name: str, unit: str) -> float: ...

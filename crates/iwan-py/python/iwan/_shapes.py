@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from iwan._axes import axes
-from iwan.errors import InvalidValueError
+from iwan._native import _number, _numbers
+from iwan.errors import InvalidTypeError, InvalidValueError
 from iwan.types import Array
 
 if TYPE_CHECKING:
@@ -31,11 +32,11 @@ def mode_shapes(
     'bending 2'
     """
     ax = axes(ax)
-    x = np.asarray(position, dtype=np.float64)
+    x = _numbers("position", position)
     if isinstance(shapes, Mapping):
-        named = {name: np.asarray(shape, dtype=np.float64) for name, shape in shapes.items()}
+        named = {str(name): _numbers(f"shapes['{name}']", shape) for name, shape in shapes.items()}
     else:
-        rows = np.atleast_2d(np.asarray(shapes, dtype=np.float64))
+        rows = np.atleast_2d(_numbers("shapes", shapes))
         named = {f"mode {i + 1}": row for i, row in enumerate(rows)}
     order = np.argsort(x, kind="stable")
     for name, shape in named.items():
@@ -71,6 +72,10 @@ def mode_shape(
     """
     from matplotlib.collections import PolyCollection
 
+    if not isinstance(view, (tuple, list)) or len(view) != 2:
+        raise InvalidTypeError("view must be two numbers: azimuth and elevation in degrees")
+    view = _number("view[0]", view[0]), _number("view[1]", view[1])
+    part = _number("part", part)
     number = modes.index(mode)
     shape = (modes.shapes_slipping if slipping else modes.shapes)[number]
     size = np.linalg.norm(shape, axis=1)

@@ -25,7 +25,7 @@ class Stretches:
 def check_hits(hits: str | int) -> None:
     """Which hits are wanted: refused unless it is a choice that there can be."""
     number = isinstance(hits, (int, np.integer)) and not isinstance(hits, bool) and hits > 0
-    if not number and hits not in ("all", "first"):
+    if not number and not (isinstance(hits, str) and hits in ("all", "first")):
         raise InvalidValueError(f"hits = {hits!r}: must be 'all', 'first', or the number of a hit counted from 1")
 
 

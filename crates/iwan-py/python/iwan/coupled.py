@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from numpy.typing import ArrayLike
 
 from iwan import _native
+from iwan._arguments import items as items_of
 from iwan._native import Joint, Mode, Pulse, Response
 from iwan.errors import InvalidTypeError, InvalidValueError
 from iwan.steady import Backbone, SteadyResponse, asked
@@ -100,7 +101,7 @@ class CoupledModes:
     joints: Sequence[SharedJoint]
 
     def __init__(self, modes: Sequence[Mode], joints: Sequence[SharedJoint]) -> None:
-        self.modes, self.joints = tuple(modes), tuple(joints)
+        self.modes, self.joints = tuple(items_of("modes", modes)), tuple(items_of("joints", joints))
         for kind, name, items in ((Mode, "modes", self.modes), (SharedJoint, "joints", self.joints)):
             if not items:
                 raise InvalidValueError(f"{name} is empty: give at least one iwan.{kind.__name__}")
@@ -181,23 +182,23 @@ class CoupledModes:
         names = [one.name for one in self.modes]
         if isinstance(mode, str) and mode not in names:
             raise InvalidValueError(f"mode = '{mode}' is not known: choose one of {', '.join(names)}")
-        number = names.index(mode) if isinstance(mode, str) else mode
-        if not 0 <= number < len(names):
+        number = names.index(mode) if isinstance(mode, str) else _native._whole("mode", mode)
+        if number >= len(names):
             raise InvalidValueError(f"mode = {mode} is out of range: must be from 0 to {len(names) - 1}")
         return Backbone(**_native._backbone_coupled(self.modes, self._joints(), number, amplitude, harmonics))
 
-    def _joints(self) -> list[tuple[str, Joint, list[float], list[float], float]]:
+    def _joints(self) -> list[tuple[str, Joint, Sequence[float], list[float], float]]:
         """The joints as the compiled part takes them."""
         return [
-            (joint.name, joint.joint, [float(b) for b in joint.participation], self._compliance(i), float(joint.slip_at_force))
+            (joint.name, joint.joint, joint.participation, self._compliance(i), joint.slip_at_force)
             for i, joint in enumerate(self.joints)
         ]
 
     def _compliance(self, index: int) -> list[float]:
-        given = self.joints[index].compliance
-        if isinstance(given, (int, float)):
+        given = _native._numbers("compliance", self.joints[index].compliance)
+        if given.ndim == 0:
             return [float(given) if other == index else 0.0 for other in range(len(self.joints))]
-        return [float(rho) for rho in given]
+        return given.ravel().tolist()
 
     def __repr__(self) -> str:
         names = ", ".join(joint.name for joint in self.joints)

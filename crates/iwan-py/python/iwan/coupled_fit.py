@@ -198,7 +198,7 @@ def fit_coupled(
     ('shared 1', '-2.5')
     >>> found.report("shared.html")
     """
-    shapes = None if shapes is None else np.atleast_2d(np.asarray(shapes, dtype=np.float64))
+    shapes = None if shapes is None else np.atleast_2d(_native._numbers("shapes", shapes))
     if shapes is not None and near is not None:
         raise InvalidValueError("near goes without shapes: give frequencies= or bands= beside them")
     if shapes is None and frequencies is not None:
@@ -214,11 +214,11 @@ def fit_coupled(
     asked = {
         "quantity": quantity,
         "shapes": None if shapes is None else shapes.tolist(),
-        "frequencies": None if frequencies is None else [float(f) for f in frequencies],
-        "bands": [(float(low), float(high)) for low, high in bands or ()],
-        "near": [float(f) for f in near or ()],
+        "frequencies": frequencies,
+        "bands": () if bands is None else bands,
+        "near": () if near is None else near,
         "method": method,
-        "shape_at_force": None if shape_at_force is None else [float(x) for x in shape_at_force],
+        "shape_at_force": shape_at_force,
         "threads": threads,
     }
     with bar(progress, _PARTS) as tell:

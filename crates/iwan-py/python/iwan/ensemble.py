@@ -6,6 +6,7 @@ are the same, to the last bit, whatever the number of threads or workers.
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -16,9 +17,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from iwan import _native
+from iwan._arguments import chosen, items, texts
 from iwan._checkpoint import Checkpoint
 from iwan._stretches import check_hits, several, stretches
-from iwan.errors import InvalidValueError, IwanError
+from iwan.errors import InvalidTypeError, InvalidValueError, IwanError
 from iwan.identification import Fit, made, request as _request
 from iwan.progress import Progress, bar
 from iwan.types import Array, EnvelopeMethod, Grid, History, Method, Pair
@@ -119,8 +121,19 @@ def simulate(
     >>> bool(np.all(np.diff(np.abs(many.slip_ratio[0])) < 0))  # the stronger the joint, the less it slips
     True
     """
-    parameters = [frequency, damping_ratio, k_t, f_s, chi, beta, shape_at_force, displacement, velocity]
-    arrays = np.broadcast_arrays(*[np.asarray(p, dtype=np.float64) for p in parameters])
+    parameters = {
+        "frequency": frequency,
+        "damping_ratio": damping_ratio,
+        "k_t": k_t,
+        "f_s": f_s,
+        "chi": chi,
+        "beta": beta,
+        "shape_at_force": shape_at_force,
+        "displacement": displacement,
+        "velocity": velocity,
+    }
+    arrays = _broadcast({name: _native._numbers(name, given) for name, given in parameters.items()})
+    keep = cast("list[History]", texts("keep", keep))
     shape, columns = arrays[0].shape, [array.ravel() for array in arrays]
     options: dict[str, Any] = {
         "force": force,
@@ -130,7 +143,7 @@ def simulate(
         "sliders": sliders,
         "grid": grid,
         "prewarp": prewarp,
-        "keep": list(keep),
+        "keep": keep,
         "shape": shape,
     }
     if checkpoint is not None:
@@ -149,7 +162,19 @@ def simulate(
             pieces = [_native._ensemble(columns, **options, first=0, threads=threads, progress=tell)]
     else:
         pieces = _on_workers(client, _simulate_piece, columns, options, progress)
-    return _joined(pieces, shape, list(keep), dt)
+    return _joined(pieces, shape, keep, _native._number("dt", dt))
+
+
+def _broadcast(given: Mapping[str, Array]) -> Sequence[Array]:
+    """Arrays of one shape."""
+    try:
+        shape = np.broadcast_shapes(*[array.shape for array in given.values()])
+    except ValueError as error:
+        shapes = ", ".join(f"{name} {array.shape}" for name, array in given.items() if array.ndim)
+        raise InvalidValueError(f"shapes that do not go together: {shapes}") from error
+    bytes_ = 8 * len(given) * math.prod(shape)
+    _native._ask(f"an ensemble of the shape {shape}", bytes_, "take fewer members")
+    return np.broadcast_arrays(*given.values())
 
 
 def _kept_at_once(members: int) -> int:
@@ -223,7 +248,7 @@ def envelope(
         "window": window,
         "order": order,
     }
-    records = list(records)
+    records = items("records", records)
     if client is None:
         with bar(progress, len(records)) as tell:
             return _native._envelopes(records, **options, first=0, threads=threads, progress=tell)
@@ -304,7 +329,16 @@ def fit(
     >>> found, found.parameters["chi"].round(2).tolist()
     (<iwan.ensemble.Fits: 2 records, 1 failed: 1>, [-0.18, nan])
     """
-    records = list(records)
+    records = items("records", records)
+    chosen("force_axis", force_axis, ("modal", "joint"))
+    # What would be refused in each record is refused once.
+    for name, given in (("dt", dt), ("start", start), ("stop", stop), ("mass", mass), ("near", near), ("mode", mode)):
+        if given is not None:
+            _native._number(name, given)
+    if quantity is not None:
+        chosen("quantity", quantity, ("acceleration", "velocity", "displacement"))
+    if not (channel is None or isinstance(channel, (str, int, np.integer)) and not isinstance(channel, bool)):
+        raise InvalidTypeError(f"channel must be the name or the number of a channel, not {type(channel).__name__}")
     request = _request(channel, quantity, shape, mass, band, near, mode, method, filter_order, window, order, hold)
     check_hits(hits)
     failures: dict[int, Exception] = {}
@@ -365,6 +399,8 @@ def _on_workers(
     progress: Progress,
 ) -> list[_Result]:
     """Compute pieces of the columns on the workers of a client; a lost worker's pieces are computed again by others."""
+    if not hasattr(client, "submit"):
+        raise InvalidTypeError(f"client must be a dask.distributed.Client, not {type(client).__name__}")
     import distributed
 
     # The library has no types.

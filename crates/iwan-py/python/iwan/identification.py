@@ -28,6 +28,7 @@ from iwan._native import (
     _identify,
     _Identified,
 )
+from iwan._arguments import chosen, texts
 from iwan._six import Interval, SixParameters
 from iwan._stretches import Stretches, several, stretches
 from iwan.errors import InvalidTypeError, InvalidValueError
@@ -143,7 +144,7 @@ class Fit(SixParameters):
 
         Example: that of `examples/2_fit_of_a_record.py`.
         """
-        self._again().report(path, None if names is None else list(names), self.force_axis, force)
+        self._again().report(path, None if names is None else texts("names", names), self.force_axis, force)
 
     def to_json(
         self, path: str | PathLike[str] | None = None, *, names: Sequence[str] | None = None, force: bool = False
@@ -157,7 +158,7 @@ class Fit(SixParameters):
 
         Example: that of `examples/2_fit_of_a_record.py`.
         """
-        return self._again().json(path, None if names is None else list(names), self.force_axis, self.law, force)
+        return self._again().json(path, None if names is None else texts("names", names), self.force_axis, self.law, force)
 
     def _again(self) -> _Identified:
         """What the compiled part knows; a fit that came out of a pickle is identified again, with the same bits."""
@@ -334,8 +335,7 @@ def fit(
     arguments = request(channel, quantity, shape, mass, band, near, mode, method, filter_order, window, order, hold)
     if law is not None:
         _check_law(law)
-    if force_axis not in ("modal", "joint"):
-        raise InvalidValueError(f"force_axis = {force_axis!r} must be 'modal' or 'joint'")
+    chosen("force_axis", force_axis, ("modal", "joint"))
     if sweeps is not None or backbones is not None:
         if law is not None:
             raise InvalidValueError("law: laws are compared on ring-downs alone; leave it out beside sweeps and backbones")
@@ -393,21 +393,10 @@ def request(
     hold: Mapping[str, float] | None,
 ) -> dict[str, Any]:
     """The arguments of a fit as the compiled part takes them."""
-    if hold is not None and not isinstance(hold, Mapping):
-        raise InvalidTypeError(f"hold must give each parameter its value, as {{'damping_ratio': 0.0}}, not {type(hold).__name__}")
-    for name, value in (("mass", mass), ("near", near), ("mode", mode)):
-        if value is not None and not isinstance(value, (int, float, np.integer, np.floating)):
-            raise InvalidTypeError(f"{name} must be a number, not {type(value).__name__}")
-    for name, count in (("filter_order", filter_order), ("order", order)):
-        if count is not None and (not isinstance(count, (int, np.integer)) or count < 0):
-            raise InvalidValueError(f"{name} = {count!r} must be a whole number that is not negative")
-    for name, pair in (("band", band), ("window", window)):
-        if pair is not None and np.shape(pair) != (2,):
-            raise InvalidValueError(f"{name} = {pair!r} must be two numbers: the lower and the upper end")
     return {
         "channel": channel,
         "quantity": quantity,
-        "shape": None if shape is None else [float(x) for x in shape],
+        "shape": shape,
         "mass": mass,
         "band": band,
         "near": near,
@@ -416,7 +405,7 @@ def request(
         "filter_order": filter_order,
         "window": window,
         "order": order,
-        "hold": list((hold or {}).items()),
+        "hold": {} if hold is None else hold,
     }
 
 
@@ -432,7 +421,7 @@ def made(
     joint = FourParameter(k_t=p["k_t"], f_s=p["f_s"], chi=p["chi"], beta=p["beta"])
     mode = Mode(frequency=p["frequency"], joint=joint, damping_ratio=p["damping_ratio"])
     bounded = {
-        name: name not in dict(asked["hold"]) and None not in interval for name, interval in told["intervals"].items()
+        name: name not in asked["hold"] and None not in interval for name, interval in told["intervals"].items()
     }
     told.pop("dissipation_misfit"), told.pop("frequency_misfit")
     return Fit(

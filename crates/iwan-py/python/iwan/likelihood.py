@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 from numpy.typing import ArrayLike
 
+from iwan import _native
+from iwan._arguments import instance
 from iwan.errors import InvalidValueError, IwanError
 from iwan.identification import Fit
 from iwan.types import Array
@@ -52,7 +54,11 @@ class LogLikelihood:
 
         Example: that of the class. Raises `iwan.InvalidValueError` when `spread`, relative, is too wide.
         """
-        rng, found = np.random.default_rng(seed), np.empty((0, len(self.names)))
+        if _native._whole("count", count) < 1:
+            raise InvalidValueError(f"count = {count} is out of range: ask for at least 1 walker")
+        _native._number("spread", spread)
+        _native._ask("walkers", 8 * 8 * count * len(self.names), "ask for fewer")
+        rng, found = np.random.default_rng(_native._whole("seed", seed)), np.empty((0, len(self.names)))
         scale = spread * np.maximum(np.abs(self.best), 1e-3)
         for _ in range(100):
             points = self.best + scale * rng.standard_normal((4 * count, len(self.names)))
@@ -84,4 +90,4 @@ def log_likelihood(fit: Fit) -> LogLikelihood:
     >>> likelihood.names[:4], bool(likelihood(likelihood.best) > likelihood(likelihood.best + 0.01))
     (['frequency', 'damping_ratio', 'log_k_t', 'log_f_s'], True)
     """
-    return LogLikelihood(fit._again().likelihood())
+    return LogLikelihood(instance("fit", fit, Fit)._again().likelihood())

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from iwan import _native
+from iwan._arguments import texts
 from iwan.errors import InvalidTypeError, InvalidValueError
 from iwan.types import Array, Pair
 
@@ -75,15 +76,10 @@ class ModalFit:
 
 
 def _real(name: str, values: Any) -> NDArray[np.float64]:
-    """Real numbers, none of them hidden under a mask."""
+    """Real numbers; a record would lose its interval."""
     if isinstance(values, _native.Record):
         raise InvalidTypeError(f"{name} is an iwan.Record: give its samples, {name}=record.samples, and dt=record.dt")
-    if np.ma.is_masked(values):
-        raise InvalidValueError(f"{name} hides numbers under a mask: cut them off, or fill them (.filled)")
-    array = np.asarray(values)
-    if array.dtype.kind not in "fiu":
-        raise InvalidTypeError(f"{name} holds {array.dtype}: give real numbers")
-    return array.astype(np.float64, copy=False)
+    return _native._numbers(name, values)
 
 
 def modal_fit(
@@ -142,7 +138,8 @@ def modal_fit(
     >>> round(float(fit.modes[0].shape[1] / fit.modes[0].shape[0]), 6)
     0.5
     """
-    if poles is not None and (len(add_poles) or len(drop_poles)):
+    added, dropped = _native._numbers("add_poles", add_poles).ravel(), _native._numbers("drop_poles", drop_poles).ravel()
+    if poles is not None and (added.size or dropped.size):
         raise InvalidValueError("poles gives all modes: leave add_poles and drop_poles out, or poles")
     motions = _real("responses", responses)
     if motions.ndim == 2:
@@ -150,21 +147,21 @@ def modal_fit(
     if motions.ndim != 3:
         raise InvalidValueError(f"responses has {motions.ndim} dimensions: give (hits, channels, samples)")
     forces = None if force is None else np.atleast_2d(_real("force", force))
-    given = [str(n) for n in range(motions.shape[1])] if names is None else [str(name) for name in names]
+    given = [str(n) for n in range(motions.shape[1])] if names is None else texts("names", names)
     request: dict[str, Any] = {
-        "dt": float(dt),
+        "dt": dt,
         "names": given,
-        "force_at": None if force_at is None else str(force_at),
+        "force_at": force_at,
         "quantity": quantity,
         "estimator": estimator,
-        "decay": float(decay),
-        "whole_force": bool(whole_force),
+        "decay": decay,
+        "whole_force": whole_force,
         "band": band,
         "method": method,
         "order": order,
-        "poles": None if poles is None else [float(f) for f in poles],
-        "add_poles": [float(f) for f in add_poles],
-        "drop_poles": [float(f) for f in drop_poles],
+        "poles": poles,
+        "add_poles": added,
+        "drop_poles": dropped,
     }
     found = _native._modal_fit(forces, motions, request)
 

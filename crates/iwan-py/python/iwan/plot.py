@@ -12,8 +12,9 @@ from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike
 
+from iwan._arguments import by_name, chosen, instance, items
 from iwan._axes import axes
-from iwan._native import Envelope, FourParameter, Joint, Mode, Record, Response
+from iwan._native import Envelope, FourParameter, Joint, Mode, Record, Response, _numbers
 from iwan._shapes import mode_shape, mode_shapes
 from iwan.errors import InvalidTypeError, InvalidValueError
 from iwan.steady import Backbone, SteadyResponse
@@ -85,11 +86,13 @@ def ring_down(
             label += f" ({response.unit})"
         values = response.channel(channel)
     elif isinstance(response, Response):
-        label, values = quantity.replace("_", " "), getattr(response, quantity)
+        name = chosen("quantity", quantity, ("displacement", "velocity", "acceleration", "joint_force"))
+        label, values = name.replace("_", " "), getattr(response, name)
     else:
         raise InvalidTypeError(f"response must be an iwan.Response or an iwan.Record, not {type(response).__name__}")
     ax.plot(response.t, values, linewidth=0.6)
     if envelope is not None:
+        instance("envelope", envelope, Envelope)
         for sign in (1, -1):
             ax.plot(envelope.t, sign * envelope.amplitude, color="C1", linewidth=1.2)
     ax.set(xlabel="time (s)", ylabel=label)
@@ -114,11 +117,15 @@ def hysteresis(
     if isinstance(response, Response):
         u, force = response.displacement, response.joint_force
     else:
-        u, force = (np.asarray(values, dtype=np.float64) for values in response)
+        pair = items("response", response)
+        if len(pair) != 2:
+            raise InvalidValueError(f"response has {len(pair)} parts: give an iwan.Response, or displacements and forces")
+        u, force = (_numbers(name, values) for name, values in zip(("displacements", "forces"), pair, strict=True))
         if u.shape != force.shape:
             raise InvalidValueError(f"displacements have the shape {u.shape}, forces {force.shape}: they must agree")
     ax.plot(u, force, linewidth=0.7)
     if joint is not None:
+        instance("joint", joint, Joint)
         most = float(np.abs(u).max(initial=0.0))
         virgin = np.linspace(-most, most, 401)
         ax.plot(virgin, joint.force(virgin), linestyle="--", label="virgin curve", **_MODEL)
@@ -128,18 +135,12 @@ def hysteresis(
 
 
 def _named(envelopes: Envelopes) -> list[tuple[str, Envelope]]:
-    if envelopes is None:
-        return []
-    if isinstance(envelopes, Envelope):
-        return [("measured", envelopes)]
-    return list(envelopes.items())
+    return [] if envelopes is None else list(by_name("envelopes", envelopes, Envelope, "measured").items())
 
 
 def _displacement(envelope: Envelope, quantity: str | None) -> Array:
     """Amplitude of displacement: A, A/omega or A/omega^2 (Sec. 2.3)."""
-    quantity = envelope.quantity if quantity is None else quantity
-    if quantity not in _POWERS:
-        raise InvalidValueError(f"quantity = '{quantity}' is not known: choose one of {', '.join(_POWERS)}")
+    quantity = chosen("quantity", envelope.quantity if quantity is None else quantity, list(_POWERS))
     return np.asarray(envelope.amplitude / (2 * np.pi * envelope.frequency) ** _POWERS[quantity])
 
 
@@ -166,7 +167,7 @@ def _against_amplitude(
     envelopes: Envelopes, mode: Mode | Mapping[str, Mode] | None, quantity: str | None, name: str, scale: float, ax: Axes
 ) -> Axes:
     named = _named(envelopes)
-    modes = {"model": mode} if isinstance(mode, Mode) else dict(mode or {})
+    modes = {} if mode is None else by_name("mode", mode, Mode, "model")
     for label, envelope in named:
         amplitude, values = _displacement(envelope, quantity), scale * getattr(envelope, name)
         (line,) = ax.plot(amplitude, values, label=label, **_MEASURED)
@@ -240,10 +241,10 @@ def dissipation(
     'joint force'
     """
     ax = axes(ax)
-    joints = {"": joint} if isinstance(joint, Joint) else dict(joint)
+    joints = by_name("joint", joint, Joint, "")
     for i, (label, one) in enumerate(joints.items()):
         u = np.geomspace(max(1e-3 * one.phi_max, 1.001 * one.phi_min), 10 * one.phi_max, 401)
-        x = one.force if against == "force" else np.asarray
+        x = one.force if chosen("against", against, ("force", "displacement")) == "force" else np.asarray
         ax.plot(x(u), one.dissipation(u), color=f"C{i}", label=label)
         ax.plot(x(one.phi_max), one.dissipation(one.phi_max), marker="o", markersize=4, color=f"C{i}")
         if printed and isinstance(one, FourParameter):
@@ -265,6 +266,7 @@ def fitted(
 
     Example: that of `examples/2_fit_of_a_record.py`.
     """
+    chosen("show", show, ("dissipation", "frequency", "damping_ratio"))
     ax = axes(ax)
     scale = 100.0 if show == "damping_ratio" else 1.0
     for number in np.unique(fit.curves["record"]):
@@ -302,6 +304,7 @@ def updated(
     >>> iwan.plot.updated(found).get_ylabel()
     'damping ratio (%)'
     """
+    chosen("show", show, ("frequency", "damping_ratio"))
     ax = axes(ax)
     for i, curve in enumerate(found.curves):
         color, q = f"C{i}", curve.displacement
@@ -334,8 +337,7 @@ def profile(fit: Fit, parameter: str, *, ax: Axes | None = None) -> Axes:
 
     Example: that of `examples/3_uncertainty.py`.
     """
-    if parameter not in fit.profiles:
-        raise InvalidValueError(f"parameter = '{parameter}' is not known: choose one of {', '.join(fit.profiles)}")
+    chosen("parameter", parameter, list(fit.profiles))
     ax = axes(ax)
     values, deviance = fit.profiles[parameter]
     ax.plot(values, deviance, marker=".", markersize=4, linewidth=1.0)
@@ -361,7 +363,7 @@ def density(joint: Joint | Mapping[str, Joint], *, ax: Axes | None = None) -> Ax
     'slider strength'
     """
     ax = axes(ax)
-    joints = {"": joint} if isinstance(joint, Joint) else dict(joint)
+    joints = by_name("joint", joint, Joint, "")
     for i, (label, one) in enumerate(joints.items()):
         phi = np.geomspace(max(one.phi_min, 1e-4 * one.phi_max), one.phi_max, 401)
         values = one.density(phi)
@@ -396,8 +398,11 @@ def frf(
     >>> iwan.plot.frf(iwan.frf(mode, band=(112.0, 128.0), force=[1.0, 100.0])).get_ylabel()
     'amplitude'
     """
+    chosen("show", show, ("amplitude", "phase", "excitation", "receptance", "harmonics"))
+    several = [curves] if isinstance(curves, SteadyResponse) else items("curves", curves)
+    for i, curve in enumerate(several):
+        instance(f"curves[{i}]", curve, SteadyResponse)
     ax = axes(ax)
-    several = [curves] if isinstance(curves, SteadyResponse) else list(curves)
     for i, curve in enumerate(several):
         label, color = f"{curve.control.replace('_', ' ')} {curve.level:.4g}", f"C{i % 10}"
         marked: list[tuple[float, float]] = []
@@ -416,6 +421,8 @@ def frf(
             marked = list(curve.jumps) if show == "amplitude" else []
         if marked:
             ax.plot(*zip(*marked, strict=True), linestyle="none", marker="o", markersize=4, fillstyle="none", color=color)
+    if backbone is not None:
+        instance("backbone", backbone, Backbone)
     if backbone is not None and show == "amplitude":
         ax.plot(backbone.frequency, backbone.response, linestyle="--", label="backbone", **_MODEL)
     ax.set(xlabel="frequency (Hz)", ylabel="phase (deg)" if show == "phase" else show)
@@ -440,8 +447,9 @@ def backbone(
     >>> iwan.plot.backbone(iwan.backbone(mode, amplitude=[1e-4, 1e-3, 1e-2]), show="damping_ratio").get_ylabel()
     'damping ratio (%)'
     """
+    chosen("show", show, ("frequency", "damping_ratio", "harmonics", "slips"))
+    named = by_name("curves", curves, Backbone, "")
     ax = axes(ax)
-    named = {"": curves} if isinstance(curves, Backbone) else dict(curves)
     for label, curve in named.items():
         of: Mapping[str, Array] = {
             "frequency": {label: curve.frequency},

@@ -22,6 +22,8 @@ class bar:
     """What to call with the number done: a line on a terminal, the caller's function, or nothing."""
 
     def __init__(self, progress: Progress, total: int) -> None:
+        if not (progress is None or isinstance(progress, bool) or callable(progress)):
+            raise InvalidTypeError(f"progress must be True, False, None or a function of two numbers, not {type(progress).__name__}")
         self.total, self.shown = total, False
         self.tell: Callable[[int], object] | None
         if callable(progress):

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import io
 import os
-import re
-from collections.abc import Iterator, Mapping, Sequence
+import zipfile
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
-from iwan._native import Record, _read_bytes
+from iwan._arguments import texts
+from iwan._native import Record, _number, _numbers, _read_bytes, _seconds_in
 from iwan.errors import InvalidTypeError, InvalidValueError, RecordError
 from iwan.types import Quantity
 
@@ -35,9 +36,10 @@ def as_record(
     """Make a `Record` of what other libraries hand out; `iwan.envelope` and `iwan.fit` do so by themselves.
 
     `data`: a dataset 58 of `pyuff` (a dict) or a list of them; the dict of `scipy.io.loadmat` or of named arrays; a pandas
-    Series or DataFrame or an xarray DataArray with times as its index (numbers, durations or dates; `units` and names such as
-    `Time [ms]` are obeyed), or a DataFrame with its times in a column; an array with `dt` (s); a `Record`, returned as it is.
-    `time`, `channels`, `quantity`, `resample`: as in `iwan.read_record`.
+    Series or DataFrame or an xarray DataArray with times as its index (numbers, durations or dates), or a DataFrame with its times in a
+    column; an array with `dt` (s); a `Record`, returned as it is. Units of times, in `units` or in names such as `Time [ms]`, are obeyed, and
+    those that are no units of time refused. `time`, `channels`, `quantity`, `resample`: as in `iwan.read_record`; what goes without a kind of data
+    is refused beside it. Names that hold no real numbers are left out and stand in `Record.warnings`.
 
     Raises `iwan.InvalidValueError` or `iwan.RecordError` for data that are no record, `iwan.InvalidTypeError`.
 
@@ -45,43 +47,69 @@ def as_record(
     >>> record.names, record.dt, record.quantity
     (['acc1'], 0.1, 'acceleration')
     """
+    if dt is not None:
+        dt = _number("dt", dt)
+        if not 0.0 < dt < np.inf:
+            raise InvalidValueError(f"dt = {dt} is out of range: must be a finite number of seconds > 0")
+    channels = texts("channels", channels)
+    if time is not None and not isinstance(time, str):
+        raise InvalidTypeError(f"time must be a str, the name of the times, not {type(time).__name__}")
+    if not isinstance(resample, (bool, np.bool_)):
+        raise InvalidTypeError(f"resample must be True or False, not {type(resample).__name__}")
+    given = {"dt": dt, "time": time, "channels": channels or None, "quantity": quantity, "resample": resample or None}
     if isinstance(data, Record):
-        if dt is not None:
-            raise InvalidValueError("dt goes with a bare array: a Record has its own")
+        _without(given, given, "a Record, for a Record has its own: cut it with its methods, or make another")
         return data
     sets = data if isinstance(data, (list, tuple)) else [data]
     if sets and all(isinstance(one, Mapping) and "ordinate_spec_data_type" in one for one in sets):
-        return _of_uff(sets)
+        _without(given, ("dt", "time", "channels", "resample"), "datasets 58, which say so themselves")
+        return _of_uff(sets, quantity)
+    if hasattr(data, "data_vars"):
+        raise InvalidTypeError(f"a Dataset of xarray holds several arrays: choose one of {', '.join(map(str, data.data_vars))}")
     if isinstance(data, Mapping):
-        return _of_names(data, dt, time, channels, quantity, resample)
+        return _of_names(data.items(), dt, time, channels, quantity, resample)
     if hasattr(data, "to_numpy") and hasattr(data, "index"):
         return _of_pandas(data, dt, time, channels, quantity, resample)
     if hasattr(data, "coords") and hasattr(data, "dims"):
-        return _of_xarray(data, dt, quantity)
+        _without(given, ("time",), "a DataArray, whose coordinate holds the times")
+        return _of_xarray(data, dt, channels, quantity, resample)
     if isinstance(data, (str, os.PathLike)):
-        raise InvalidTypeError(f"{os.fspath(data)!r} is a path: read it with iwan.read_record")
+        raise InvalidTypeError(f"data is a path, {str(data)!r}: read it with iwan.read_record")
+    _without(given, ("time", "channels", "resample"), "a bare array: give a mapping of named arrays")
     if dt is None:
         raise InvalidValueError("dt is missing: a bare array needs its sampling interval in seconds, dt=")
-    shape = np.shape(data)
+    samples = _numbers("data", data)
+    shape = samples.shape
     if len(shape) == 2 and shape[1] < _FEWEST <= shape[0]:
         raise InvalidValueError(f"the array has the shape {shape}: it must be channels x samples; transpose it")
-    return Record(data, dt=dt, quantity=quantity or "unknown")
+    return Record(samples, dt=dt, quantity="unknown" if quantity is None else quantity)
+
+
+def _without(given: Mapping[str, Any], names: Iterable[str], kind: str) -> None:
+    """Refuse arguments that a kind of data goes without: they would be ignored."""
+    for name in names:
+        if given[name] is not None:
+            raise InvalidValueError(f"{name} does not go with {kind}")
 
 
 _FEWEST = 16
 """Samples that any method needs: an array with fewer of them in a row, and more rows, stands the other way round."""
 
 
-def _of_uff(sets: Sequence[Mapping[str, Any]]) -> Record:
+def _of_uff(sets: Sequence[Mapping[str, Any]], quantity: Quantity | None) -> Record:
     """Datasets 58 as pyuff reads them: one channel each, sampled alike."""
     rows, names, axes = [], [], []
     for i, one in enumerate(sets):
+        for key in ("func_type", "data", "x"):
+            if key not in one:
+                raise RecordError(f"dataset {i} has no {key!r}: give datasets 58 as pyuff reads them")
         if int(one["func_type"]) != _UFF_TIME_RESPONSE:
             raise RecordError(f"dataset {i}: function type {one['func_type']} is no time response: choose datasets of type 1")
         values = np.asarray(one["data"])
         if np.iscomplexobj(values) and np.any(values.imag):
             raise RecordError(f"dataset {i}: the samples are complex: choose a time response")
-        axis = np.asarray(one["x"], dtype=np.float64)
+        unit = str(one.get("abscissa_axis_units_lab") or "").strip()
+        axis = _seconds(np.asarray(one["x"]), f"x of dataset {i}", "" if unit.upper() == "NONE" else unit)
         rows.append(np.real(values).astype(np.float64))
         names.append(str(one.get("id1", "")).strip() or f"channel {i}")
         axes.append(axis)
@@ -93,7 +121,7 @@ def _of_uff(sets: Sequence[Mapping[str, Any]]) -> Record:
         rows,
         dt=_step(axes[0]),
         names=names,
-        quantity=_UFF_QUANTITIES.get(kinds.pop(), "unknown") if len(kinds) == 1 else "unknown",
+        quantity=quantity or (_UFF_QUANTITIES.get(kinds.pop(), "unknown") if len(kinds) == 1 else "unknown"),
         unit=units.pop() if len(units) == 1 else "",
         start=float(axes[0][0]),
     )
@@ -110,15 +138,6 @@ def _step(axis: np.ndarray[Any, Any]) -> float:
     return mean
 
 
-def _on_axis(
-    columns: Mapping[str, Any], axis: np.ndarray[Any, Any], dt: float | None, quantity: Quantity | None
-) -> Record:
-    start, step = (0.0, dt) if dt is not None else (float(axis[0]) if axis.size else 0.0, _step(axis))
-    return Record(
-        list(columns.values()), dt=step, names=list(columns), quantity=quantity or "unknown", start=start
-    )
-
-
 def _of_pandas(
     data: Any,
     dt: float | None,
@@ -128,25 +147,39 @@ def _of_pandas(
     resample: bool,
 ) -> Record:
     """A Series or a DataFrame. Its index holds the times, unless it counts rows or `time` names a column."""
-    columns = {str(name): _plain(data[name]) for name in data.columns} if hasattr(data, "columns") else {
-        str(data.name or "channel 0"): _plain(data)
-    }
+    columns = (
+        [(str(name), _plain(data.iloc[:, i])) for i, name in enumerate(data.columns)]
+        if hasattr(data, "columns")
+        else [(str(data.name or "channel 0"), _plain(data))]
+    )
     index = data.index
-    counts_rows = type(index).__name__ == "RangeIndex" and index.name is None
-    if dt is None and (counts_rows or time in columns):
+    if dt is not None or time not in (None, index.name):
+        return _of_names(columns, dt, time, channels, quantity, resample)
+    if index.name is None and _counts_rows(np.asarray(index)):
         if len(columns) == 1:
             raise RecordError("the index counts rows and is no time: give dt=, or times as the index")
         return _of_names(columns, dt, time, channels, quantity, resample)
-    if dt is not None:
-        return _of_names(columns, dt, None, channels, quantity, resample)
     if getattr(index, "tz", None) is not None:
         index = index.tz_convert(None)
-    axis = _seconds(np.asarray(index), str(index.name or ""))
+    return _of_axis(_seconds(np.asarray(index), str(index.name or "")), columns, channels, quantity, resample)
+
+
+def _counts_rows(index: np.ndarray[Any, Any]) -> bool:
+    """Whether an index without a name counts: whole numbers, one by one."""
+    return index.dtype.kind in "iu" and index.ndim == 1 and bool(np.all(np.diff(index) == 1))
+
+
+def _of_axis(
+    axis: np.ndarray[Any, Any],
+    columns: Sequence[tuple[str, Any]],
+    channels: Sequence[str],
+    quantity: Quantity | None,
+    resample: bool,
+) -> Record:
+    """Columns over times in seconds that stand beside them."""
     if axis.size < 2:
         raise RecordError(f"{axis.size} times: a record needs at least 2 samples")
-    if _INDEX in columns:
-        raise RecordError(f"a column is called {_INDEX!r} beside an index of times: rename it, or give dt=, or time= of iwan.as_record")
-    return _of_names({_INDEX: axis, **columns}, None, _INDEX, channels, quantity, resample)
+    return _of_names([(_INDEX, axis), *columns], None, _INDEX, channels, quantity, resample)
 
 
 _INDEX = "index [s]"
@@ -161,10 +194,6 @@ def _plain(column: Any) -> np.ndarray[Any, Any]:
     return np.asarray(values)
 
 
-_UNITS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6, "μs": 1e-6, "ns": 1e-9, "min": 60.0, "h": 3600.0}
-"""Units of time and their factors to seconds."""
-
-
 def _seconds(axis: np.ndarray[Any, Any], name: str, unit: str = "") -> np.ndarray[Any, Any]:
     """Times in seconds: durations and dates by their own unit, numbers by the one beside them or in their name, `Time [ms]`."""
     if axis.dtype.kind == "M":
@@ -173,48 +202,55 @@ def _seconds(axis: np.ndarray[Any, Any], name: str, unit: str = "") -> np.ndarra
         return axis / np.timedelta64(1, "s")
     if axis.dtype.kind not in "fiu":
         raise InvalidTypeError(f"the index holds {axis.dtype}, no times: give dt=, or times in seconds as the index")
-    found = re.search(r"[\[(]([^\])]*)[\])]\s*$", name) or re.search(r"[_ ,](ms|us|µs|μs|ns|s)$", name)
-    unit = unit.strip() or (found.group(1).strip() if found else "")
-    words = {"second": "s", "millisecond": "ms", "microsecond": "us", "nanosecond": "ns", "minute": "min", "hour": "h", "sec": "s"}
-    unit = words.get(unit.lower().rstrip("s"), unit)
-    if unit and unit not in _UNITS:
-        raise RecordError(f"the times are in {unit!r}, which is no unit of time (known are {', '.join(_UNITS)}): give dt=")
-    return axis.astype(np.float64) * _UNITS[unit or "s"]
+    return axis.astype(np.float64) * _seconds_in(name, unit)
 
 
-def _of_xarray(data: Any, dt: float | None, quantity: Quantity | None) -> Record:
-    along = [dim for dim in data.dims if dim in ("t", "time")] or [data.dims[-1]]
-    if data.ndim > 2:
-        raise InvalidValueError(f"an array of {data.ndim} dimensions is no record: channels and times at most")
-    rows = data.transpose(..., along[0]).to_numpy().reshape(-1, data.sizes[along[0]])
-    others = [dim for dim in data.dims if dim != along[0]]
+def _of_xarray(
+    data: Any, dt: float | None, channels: Sequence[str], quantity: Quantity | None, resample: bool
+) -> Record:
+    if not 1 <= data.ndim <= 2:
+        raise InvalidValueError(f"an array of {data.ndim} dimensions is no record: give times, or channels and times")
+    along = next((dim for dim in data.dims if dim in ("t", "time")), data.dims[-1])
+    others = [dim for dim in data.dims if dim != along]
+    rows = data.transpose(*others, along).to_numpy()
     labels = [str(x) for x in data[others[0]].to_numpy()] if others else [str(data.name or "channel 0")]
-    times = data[along[0]]
-    axis = _seconds(times.to_numpy(), str(along[0]), str(times.attrs.get("units", "")))
-    return _on_axis(dict(zip(labels, rows, strict=True)), axis, dt, quantity)
+    columns = list(zip(labels, rows if others else [rows], strict=True))
+    if dt is not None:
+        return _of_names(columns, dt, None, channels, quantity, resample)
+    if along not in data.coords:
+        raise RecordError(f"the dimension {along!r} has no coordinate and no times: give dt=, or times as its coordinate")
+    times = data[along]
+    axis = _seconds(times.to_numpy(), str(along), str(times.attrs.get("units", "")))
+    return _of_axis(axis, columns, channels, quantity, resample)
 
 
-def _leaves(name: str, value: Any) -> Iterator[tuple[str, np.ndarray[Any, Any]]]:
-    """Numeric vectors with dotted names: structures of MATLAB are arrays with fields, however deep."""
-    array = np.asarray(value)
+def _leaves(name: str, value: Any) -> Iterator[tuple[str, np.ndarray[Any, Any] | str]]:
+    """Numbers with dotted names: structures of MATLAB are arrays with fields, however deep. In place of other vectors, what they hold."""
+    if isinstance(value, Mapping):
+        for key, inner in value.items():
+            yield from _leaves(f"{name}.{key}" if name else str(key), inner)
+        return
+    if np.ma.is_masked(value):
+        raise InvalidValueError(f"{name} hides numbers under a mask: cut them off, or fill them (.filled)")
+    try:
+        array = np.asarray(value)
+    except Exception as error:  # whatever a foreign object raises
+        raise InvalidTypeError(f"{name} must hold real numbers: {error}") from error
     while array.dtype == object and array.size == 1 and isinstance(array.item(), np.ndarray):
         array = array.item()
     if array.dtype.names:
         for field in array.dtype.names:
             yield from _leaves(f"{name}.{field}" if name else field, array[field])
-    elif isinstance(value, Mapping):
-        for key, inner in value.items():
-            yield from _leaves(f"{name}.{key}" if name else str(key), inner)
-    elif np.ma.is_masked(value):
-        raise InvalidValueError(f"{name} hides numbers under a mask: cut them off, or fill them (.filled)")
     elif array.dtype.kind in "mM" and array.size > 1:
         yield f"{name} [s]" if "[" not in name else name, _seconds(np.squeeze(array), "")
-    elif array.dtype.kind in "fiu" and array.size > 1:
-        yield name, np.squeeze(array)
+    elif array.dtype.kind in "fiu" and array.size:
+        yield name, np.squeeze(array).astype(np.float64, copy=False)
+    elif array.size > 1:
+        yield name, f"it holds {array.dtype}, no real numbers"
 
 
 def _of_names(
-    data: Mapping[str, Any],
+    data: Iterable[tuple[Any, Any]],
     dt: float | None,
     time: str | None,
     channels: Sequence[str],
@@ -222,10 +258,29 @@ def _of_names(
     resample: bool,
 ) -> Record:
     """Named vectors, by the rules of the reader of NPZ files."""
-    leaves = dict(leaf for key, value in data.items() if not str(key).startswith("__") for leaf in _leaves(str(key), value))
-    if not leaves:
-        raise InvalidTypeError("there is no vector of real numbers in these data")
+    leaves: dict[str, np.ndarray[Any, Any]] = {}
+    left_out: dict[str, str] = {}
+    for key, value in data:
+        if str(key).startswith("__"):
+            continue
+        for name, leaf in _leaves(str(key), value):
+            if name in leaves or name in left_out:
+                raise RecordError(f"two arrays are called {name!r}: rename one of them")
+            if isinstance(leaf, str):
+                left_out[name] = leaf
+            else:
+                leaves[name] = leaf
+    wanted = [name for name in (time, *channels) if name in left_out]
+    if wanted:
+        raise InvalidTypeError(f"{wanted[0]!r} is no vector of a record: {left_out[wanted[0]]}")
+    if not any(leaf.size > 1 for leaf in leaves.values()):
+        seen = "".join(f"; {name!r}: {reason}" for name, reason in left_out.items())
+        raise InvalidTypeError(f"there is no vector of real numbers in these data{seen}")
     file = io.BytesIO()
-    np.savez(file, allow_pickle=False, **leaves)
+    # As numpy.savez does, which cannot take every name.
+    with zipfile.ZipFile(file, "w") as archive:
+        for name, leaf in leaves.items():
+            with archive.open(f"{name}.npy", "w", force_zip64=True) as member:
+                np.lib.format.write_array(member, leaf, allow_pickle=False)
     rate = None if dt is None else 1.0 / dt
-    return _read_bytes("data.npz", file.getvalue(), time, list(channels), rate, quantity, resample)
+    return _read_bytes("data.npz", file.getvalue(), time, list(channels), rate, quantity, resample, list(left_out.items()))

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, overload
 
 from numpy.typing import ArrayLike
 
 from iwan import _native
+from iwan._arguments import instance, items
 from iwan._native import Mode
 from iwan.errors import InvalidTypeError, InvalidValueError
 from iwan.types import Array, Pair
@@ -83,15 +84,14 @@ class Backbone:
 
 def asked(
     band: Pair, levels: Mapping[str, ArrayLike | None], harmonics: int, points: int
-) -> tuple[str, ArrayLike, tuple[float, float], int, int]:
+) -> tuple[str, ArrayLike, Pair, int, int]:
     """A sweep as the compiled part takes it, with the one kind of level that is given."""
     given = {name: values for name, values in levels.items() if values is not None}
     if len(given) != 1:
         names = ", ".join(levels)
         raise InvalidValueError(f"{len(given)} kinds of level are given: give exactly one of {names}")
     [(control, values)] = given.items()
-    low, high = band
-    return control, values, (float(low), float(high)), harmonics, points
+    return control, values, band, harmonics, points
 
 
 class SteadyStructure:
@@ -143,9 +143,8 @@ class SteadyStructure:
             "acceleration": acceleration,
         }
         sweep = asked(band, levels, harmonics, points)
-        along = None if direction is None else (float(direction[0]), float(direction[1]), float(direction[2]))
-        given = (at, float(damping_ratio), basis)
-        curves, _ = _native._frf_structure(self._native, sweep, along, given, threads)
+        given = (at, damping_ratio, basis)
+        curves, _ = _native._frf_structure(self._native, sweep, direction, given, threads)
         return [SteadyResponse(**curve) for curve in curves]
 
     def backbone(
@@ -172,16 +171,16 @@ class SteadyStructure:
         >>> ", ".join(f"{f:.1f} Hz" for f in curve.frequency), list(curve.slips)[0]
         ('132.3 Hz, 129.9 Hz', 'left link x')
         """
-        given = (at, float(damping_ratio), basis)
+        given = (at, damping_ratio, basis)
         return Backbone(**_native._backbone_structure(self._native, mode, amplitude, points, harmonics, given))
 
 
 def _modes(mode: object) -> tuple[list[Mode], bool]:
     if isinstance(mode, Mode):
         return [mode], True
-    modes = list(mode) if isinstance(mode, Iterable) else []
-    if not isinstance(mode, Iterable) or not all(isinstance(one, Mode) for one in modes):
-        raise InvalidTypeError("mode must be an iwan.Mode or a sequence of them")
+    modes = items("mode", mode, "an iwan.Mode or a sequence of them")
+    for i, one in enumerate(modes):
+        instance(f"mode[{i}]", one, Mode)
     if not modes:
         raise InvalidValueError("mode is an empty sequence: give at least one mode")
     return modes, False

@@ -12,7 +12,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from iwan import _native
 from iwan._native import FourParameter, Mode, Pulse, Record
-from iwan.errors import InvalidValueError
+from iwan._arguments import chosen
+from iwan.errors import InvalidTypeError, InvalidValueError
 from iwan.progress import Progress, bar
 from iwan.steady import SteadyStructure
 from iwan.types import Array, Energy, Grid
@@ -72,6 +73,8 @@ class StructureModes:
         >>> iwan.Structure.built_in("paper-a").modes(4).index("bending-2")
         1
         """
+        if not isinstance(name, str):
+            raise InvalidTypeError(f"name must be a str, not {type(name).__name__}")
         wanted = name.replace("-", " ")
         if wanted not in self.names:
             raise InvalidValueError(f"there is no mode '{name}': choose from {', '.join(self.names)}")
@@ -200,11 +203,10 @@ class StructureResponse:
         <iwan.Record: acceleration of 1 channels, 181 samples every 0.0001 s>
         """
         histories = {"acceleration": self.acceleration, "velocity": self.velocity, "displacement": self.displacement}
-        if quantity not in histories:
-            raise InvalidValueError(f"quantity = '{quantity}' is not known: choose one of {', '.join(histories)}")
-        if name not in self.displacement:
+        chosen("quantity", quantity, list(histories))
+        if name not in list(self.displacement):
             raise InvalidValueError(f"there is no history '{name}': choose from {', '.join(self.displacement)}")
-        first = int(np.searchsorted(self.t, since - 1e-9 * self.dt))
+        first = int(np.searchsorted(self.t, _native._number("since", since) - 1e-9 * self.dt))
         if self.t.size - first < 2:
             raise InvalidValueError(f"since = {since} s leaves no record: the response ends at {self.t[-1]} s")
         samples = histories[quantity][name][first:]
@@ -223,6 +225,8 @@ class Structure(SteadyStructure):
     """
 
     def __init__(self, native: _native._Structure) -> None:
+        if not isinstance(native, _native._Structure):
+            raise InvalidTypeError("a Structure is made by Structure.load or Structure.built_in")
         self._native = native
         told = native.told()
         self.name: str = told["name"]
@@ -289,7 +293,7 @@ class Structure(SteadyStructure):
         >>> print(f"{modes.frequency[0]:.3f} Hz stuck, {modes.frequency_slipping[0]:.3f} Hz slipping", modes.shapes.shape)
         132.351 Hz stuck, 127.766 Hz slipping (4, 1554, 3)
         """
-        if n < 1:
+        if _native._whole("n", n) < 1:
             raise InvalidValueError(f"n = {n} is out of range: ask for at least 1 mode")
         return StructureModes(nodes=self.nodes, faces=self.faces, **self._native.modes(n))
 
@@ -357,10 +361,10 @@ class Structure(SteadyStructure):
             told = _native._simulate_structure(
                 self._native,
                 force=force,
-                velocity=list((velocity or {}).items()),
+                velocity={} if velocity is None else velocity,
                 dt=dt,
                 duration=duration,
-                modes=list(modes),
+                modes=modes,
                 model=model,
                 basis=basis,
                 tolerance=tolerance,

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from iwan import _native
+from iwan._arguments import items
 from iwan._native import FourParameter, Mode, _FittedSweeps, _Identified
 from iwan._six import Interval, SixParameters
 from iwan.errors import InvalidTypeError
@@ -127,7 +128,7 @@ def _source(given: Measurement, name: str, kind: str) -> Any:
     if isinstance(given, (str, os.PathLike)):
         return given
     if isinstance(given, Mapping):
-        return name, [(column, np.asarray(values, dtype=np.float64)) for column, values in given.items()]
+        return name, [(str(column), _native._numbers(f"{name}['{column}']", values)) for column, values in given.items()]
     if kind == "backbone" and isinstance(given, Backbone):
         columns = {"frequency": given.frequency, "amplitude": given.amplitude, "damping_ratio": given.damping_ratio}
         return name, list(columns.items())
@@ -143,14 +144,14 @@ def _sources(given: Measurement | Sequence[Measurement] | None, name: str, kind:
         return []
     if isinstance(given, (str, os.PathLike, Mapping, SteadyResponse, Backbone)):
         return [_source(given, name, kind)]
-    return [_source(one, f"{name}[{i}]", kind) for i, one in enumerate(given)]
+    return [_source(one, f"{name}[{i}]", kind) for i, one in enumerate(items(name, given))]
 
 
 def _fit(
     given: tuple[list[Any], list[Any]],
     forces: list[float],
     mass: float | None,
-    held: list[tuple[str, float]],
+    held: Mapping[str, float],
     ring_downs: Callable[[Tell], _Identified] | None,
     tell: Tell = None,
 ) -> _FittedSweeps:
@@ -169,9 +170,9 @@ def fit_sweeps(
     progress: bool | None,
 ) -> SweepFit:
     """`iwan.fit` with sweeps or backbones."""
-    held = list((hold or {}).items())
+    held = {} if hold is None else hold
     given = _sources(sweeps, "sweeps", "sweep"), _sources(backbones, "backbones", "backbone")
-    forces = [float(level) for level in levels or ()]
+    forces = [] if levels is None else _native._numbers("levels", levels).ravel().tolist()
     again = partial(_fit, given, forces, mass, held, ring_downs)
     with busy(progress, "fitting") as tell:
         fitted = again(tell)
@@ -179,5 +180,5 @@ def fit_sweeps(
     p = told.pop("parameters")
     joint = FourParameter(k_t=p["k_t"], f_s=p["f_s"], chi=p["chi"], beta=p["beta"])
     mode = Mode(frequency=p["frequency"], joint=joint, damping_ratio=p["damping_ratio"])
-    bounded = {name: name not in dict(held) and None not in ends for name, ends in told["intervals"].items()}
+    bounded = {name: name not in held and None not in ends for name, ends in told["intervals"].items()}
     return SweepFit(mode=mode, identifiable=bounded, notes=list(notes), _again=again, _fitted=fitted, **told)

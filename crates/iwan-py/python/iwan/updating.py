@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from iwan import _native
+from iwan._arguments import texts
 from iwan._native import FourParameter
 from iwan.errors import InvalidTypeError, InvalidValueError
 from iwan.identification import Fit
@@ -167,12 +168,12 @@ class StructureUpdate:
     def write(self, path: str | Path) -> None:
         """Write the structure file with the joints found, for `iwan.Structure.load`. Example: that of `iwan.update`.
 
-        Raises `iwan.InvalidValueError` where there is no such text, `OSError` where the file cannot be written or is there already.
+        Raises `iwan.InvalidValueError` where there is no such text, `iwan.ExistingFileError` (a `FileExistsError`) or `iwan.FileError` (an
+        `OSError`) where the file is there already or cannot be written.
         """
         if self.text is None:
             raise InvalidValueError("the structure is one of matrices: enter the values by hand")
-        with open(path, "x", encoding="utf-8") as file:
-            file.write(self.text)
+        _native._write_text(path, self.text, False)
 
     def __repr__(self) -> str:
         verdict = "tells all curves" if self.adequate else "leaves the data"
@@ -193,7 +194,7 @@ def _columns(mode: str, curve: Curve) -> tuple[bool, ArrayLike, ArrayLike, Array
         )
     for key in ("displacement", "frequency", "damping_ratio"):
         if key not in columns:
-            raise InvalidValueError(f"curves['{mode}'] has no '{key}': it has {', '.join(columns)}")
+            raise InvalidValueError(f"curves['{mode}'] has no '{key}': it has {', '.join(map(str, columns))}")
     return False, columns["displacement"], columns["frequency"], columns["damping_ratio"]
 
 
@@ -222,9 +223,9 @@ def _blows(
             raise InvalidTypeError(f"{word}[{i}] must be a mapping with dt, force and motions, not {type(given).__name__}")
         for key in ("dt", "force"):
             if key not in given:
-                raise InvalidValueError(f"{word}[{i}] has no '{key}': it has {', '.join(given)}")
+                raise InvalidValueError(f"{word}[{i}] has no '{key}': it has {', '.join(map(str, given))}")
         motions = [(name, samples) for name, samples in given.items() if name not in ("dt", "force")]
-        listed.append((f"{word}[{i}]", held_out, float(cast("float", given["dt"])), given["force"], motions))
+        listed.append((f"{word}[{i}]", held_out, _native._number(f"{word}[{i}]['dt']", given["dt"]), given["force"], motions))
     return listed
 
 
@@ -268,21 +269,22 @@ def update(
     """
     if not isinstance(structure, Structure):
         raise InvalidTypeError("structure must be an iwan.Structure")
-    parts = list(correct.items()) if isinstance(correct, Mapping) else [(name, None) for name in correct]
-    if curves is None and not records:
+    blows = _blows(records, False) + _blows(predict_records, True)
+    parts = correct if isinstance(correct, Mapping) else dict.fromkeys(texts("correct", correct))
+    if curves is None and len(records) == 0:
         raise InvalidTypeError("curves and records are missing: give what was measured")
     given = _listed({} if curves is None else curves, False) + _listed({} if predict is None else predict, True)
-    compared = list(modes) if modes is not None else list(curves or ())
-    if records and not compared:
+    compared = texts("modes", modes) if modes is not None else list(curves or ())
+    if len(records) and not compared:
         raise InvalidValueError("modes is missing: name the modes about whose frequencies records and structure are compared")
     with bar(progress, _PARTS) as tell:
         found, text = _native._update(
             structure._native,
             given,
-            groups=None if groups is None else {name: list(joints) for name, joints in groups.items()},
+            groups=groups,
             correct=parts,
             undamped=undamped,
-            blows=_blows(records, False) + _blows(predict_records, True),
+            blows=blows,
             modes=compared,
             quantity=quantity,
             threads=threads,

@@ -43,7 +43,8 @@ impl Numbers {
         if object.is_instance_of::<PyFloat>()
             || (object.is_instance_of::<PyInt>() && !object.is_instance_of::<PyBool>())
         {
-            return Ok(Self { values: vec![object.extract()?], shape: Vec::new() });
+            let wide = |_| value(format!("{name} is out of range: beyond the numbers of 64 bits"));
+            return Ok(Self { values: vec![object.extract().map_err(wide)?], shape: Vec::new() });
         }
         refuse_masked(name, object)?;
         if let Ok(array) = object.cast::<PyArrayDyn<f64>>()
@@ -58,7 +59,7 @@ impl Numbers {
             .map_err(|error| wrong_type(format!("{name} must hold real numbers: {error}")))?;
         let untyped = array.cast::<PyUntypedArray>().map_err(PyErr::from)?;
         let kind = untyped.dtype().kind();
-        if untyped.len() > 0 && !matches!(kind, b'f' | b'i' | b'u' | b'b') {
+        if untyped.len() > 0 && !matches!(kind, b'f' | b'i' | b'u') {
             let dtype = untyped.dtype();
             return Err(wrong_type(format!("{name} must hold real numbers, not {dtype}")));
         }

@@ -2,11 +2,14 @@
 
 use iwan_core::{Grid, Representation};
 use iwan_input::scenario::MOST_SLIDERS;
+use iwan_machine::memory::ask;
 use iwan_machine::threads::at_once;
 use iwan_sim::Method;
 use pyo3::prelude::*;
+use pyo3::types::PyString;
 
-use crate::exchange::errors::{value, wrong_type};
+use crate::exchange::errors::{lacking, value};
+use crate::exchange::named::Argument;
 
 /// The representation of a joint: number of sliders (none: the continuum), and grid ("graded", "uniform" or the ratio of neighbouring
 /// strengths). The caller supplies the grid for "graded" and for no grid at all, because a mode and a structure have different smallest
@@ -16,6 +19,7 @@ pub(crate) fn representation_of(
     grid: Option<&Bound<'_, PyAny>>,
     graded: fn(usize) -> Grid,
 ) -> PyResult<Representation> {
+    let grid = grid.map(grid_of).transpose()?;
     let Some(bins) = sliders else { return Ok(Representation::Continuum) };
     if bins == 0 {
         return Err(value("sliders = 0 is out of range: at least 1, or None for the exact continuum"));
@@ -25,20 +29,22 @@ pub(crate) fn representation_of(
             "sliders = {bins} is out of range: at most {MOST_SLIDERS}, or None for the exact continuum, which has no error of cutting"
         )));
     }
-    let Some(grid) = grid else { return Ok(Representation::Sliders { bins, grid: graded(bins) }) };
-    let grid = match (grid.extract::<String>().as_deref(), grid.extract::<f64>()) {
-        (Ok("graded"), _) => graded(bins),
-        (Ok("uniform"), _) => Grid::Uniform,
-        (Ok(other), _) => return Err(unknown("grid", other, &["graded", "uniform"])),
-        (Err(_), Ok(ratio)) if ratio > 1.0 && ratio.is_finite() => Grid::Geometric { ratio },
-        (Err(_), Ok(ratio)) => {
-            return Err(value(format!(
-                "grid = {ratio} is out of range: the ratio of strengths is a finite number > 1"
-            )));
-        }
-        _ => return Err(wrong_type("grid must be 'graded', 'uniform' or a number > 1")),
-    };
-    Ok(Representation::Sliders { bins, grid })
+    Ok(Representation::Sliders { bins, grid: grid.flatten().unwrap_or_else(|| graded(bins)) })
+}
+
+/// The grid that was asked for; none for "graded".
+fn grid_of(grid: &Bound<'_, PyAny>) -> PyResult<Option<Grid>> {
+    if let Ok(name) = grid.cast::<PyString>() {
+        let choices = [("graded", None), ("uniform", Some(Grid::Uniform))];
+        return choose("grid", &name.to_string_lossy(), &choices);
+    }
+    let ratio = f64::read("grid", grid)?;
+    if ratio > 1.0 && ratio.is_finite() {
+        return Ok(Some(Grid::Geometric { ratio }));
+    }
+    Err(value(format!(
+        "grid = {ratio} is out of range: 'graded', 'uniform', or the ratio of strengths, a finite number > 1"
+    )))
 }
 
 /// The numerical parameters of a method.
@@ -75,6 +81,12 @@ pub(crate) fn choose<T: Copy>(argument: &str, given: &str, choices: &[(&str, T)]
     let found = choices.iter().find(|(name, _)| *name == given);
     let names = || choices.iter().map(|(name, _)| *name).collect::<Vec<_>>();
     found.map(|(_, choice)| *choice).ok_or_else(|| unknown(argument, given, &names()))
+}
+
+/// Refuses what needs more memory than there is.
+#[pyfunction]
+pub(crate) fn _ask(what: &str, bytes: f64, remedy: &str) -> PyResult<()> {
+    ask(what.to_owned(), bytes as u64, remedy).map_err(|short| lacking(&short))
 }
 
 /// Number of threads; all cores unless given.

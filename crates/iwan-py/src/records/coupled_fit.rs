@@ -14,6 +14,7 @@ use crate::exchange::arguments::{Call, in_python};
 use crate::exchange::array::{Numbers, array, frozen_rows};
 use crate::exchange::errors::{identification_of, value_of};
 use crate::exchange::files::{kept, write};
+use crate::exchange::named::{self, item};
 use crate::exchange::options::thread_count;
 use crate::exchange::work;
 use crate::records::envelope::method_named;
@@ -27,17 +28,30 @@ const PARTS: f64 = 1000.0;
 type Given<'py> = (String, Bound<'py, Record>, Option<Bound<'py, PyAny>>);
 
 /// Which modes are wanted, by the names of the arguments of `iwan.fit_coupled`.
-#[derive(FromPyObject)]
-#[pyo3(from_item_all)]
 pub(crate) struct Asked {
     quantity: Option<String>,
     shapes: Option<Vec<Vec<f64>>>,
     frequencies: Option<Vec<f64>>,
-    bands: Vec<(f64, f64)>,
+    bands: Vec<[f64; 2]>,
     near: Vec<f64>,
     method: String,
     shape_at_force: Option<Vec<f64>>,
     threads: Option<usize>,
+}
+
+impl Asked {
+    fn read(arguments: &Bound<'_, PyAny>) -> PyResult<Self> {
+        Ok(Self {
+            quantity: item(arguments, "quantity")?,
+            shapes: item(arguments, "shapes")?,
+            frequencies: item(arguments, "frequencies")?,
+            bands: item(arguments, "bands")?,
+            near: item(arguments, "near")?,
+            method: item(arguments, "method")?,
+            shape_at_force: item(arguments, "shape_at_force")?,
+            threads: item(arguments, "threads")?,
+        })
+    }
 }
 
 /// Modes with their joints, and the records they were found in: what `iwan.CoupledFit` is made of.
@@ -51,7 +65,7 @@ pub(crate) fn _fit_coupled(
     py: Python<'_>,
     records: Vec<Given<'_>>,
     held_out: Vec<Given<'_>>,
-    asked: Asked,
+    #[pyo3(from_py_with = Asked::read)] asked: Asked,
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<FittedCoupled> {
     let quantity = asked.quantity.as_deref();
@@ -60,7 +74,13 @@ pub(crate) fn _fit_coupled(
     };
     let (records, held_out) = (read(records)?, read(held_out)?);
     let Asked { shapes, frequencies, bands, near, method, shape_at_force, threads, .. } = asked;
-    let sought = ModesSought { shapes, frequencies, bands, near, method: method_named(&method)? };
+    let sought = ModesSought {
+        shapes,
+        frequencies,
+        bands: bands.into_iter().map(Into::into).collect(),
+        near,
+        method: method_named(&method)?,
+    };
     let threads = thread_count(threads)?;
     let found = work::watched(py, progress, move |control| {
         let test = CoupledTest::new(records, held_out, sought).map_err(Fault::Given)?;
@@ -119,7 +139,12 @@ impl FittedCoupled {
     }
 
     /// `fit.json` of the command; in a file, too, where one is named.
-    fn json(&self, py: Python<'_>, path: Option<PathBuf>, force: bool) -> PyResult<String> {
+    fn json(
+        &self,
+        py: Python<'_>,
+        #[pyo3(from_py_with = named::path)] path: Option<PathBuf>,
+        #[pyo3(from_py_with = named::force)] force: bool,
+    ) -> PyResult<String> {
         kept(py, path.as_deref(), self.0.0.json(&self.0.1), force)
     }
 
@@ -139,7 +164,12 @@ impl FittedCoupled {
     }
 
     /// Writes the page of `iwan fit --coupled`, whole or not at all.
-    fn report(&self, py: Python<'_>, path: PathBuf, force: bool) -> PyResult<()> {
+    fn report(
+        &self,
+        py: Python<'_>,
+        #[pyo3(from_py_with = named::path)] path: PathBuf,
+        #[pyo3(from_py_with = named::force)] force: bool,
+    ) -> PyResult<()> {
         let made = self.0.clone();
         let page = work::run(py, true, move |_| made.0.page(&made.1))?;
         write(py, &path, &page, force)

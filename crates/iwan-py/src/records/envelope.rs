@@ -9,6 +9,7 @@ use pyo3::prelude::*;
 use crate::exchange::arguments::{Call, in_python};
 use crate::exchange::array::array;
 use crate::exchange::errors::{identification_at, identification_of, value};
+use crate::exchange::named;
 use crate::exchange::options::{thread_count, unknown};
 use crate::exchange::pickle::Remake;
 use crate::exchange::work;
@@ -198,15 +199,15 @@ pub(crate) fn _envelope(
 #[expect(clippy::too_many_arguments, reason = "keyword arguments of Python")]
 pub(crate) fn envelope(
     record: &Bound<'_, PyAny>,
-    dt: Option<f64>,
+    #[pyo3(from_py_with = named::dt)] dt: Option<f64>,
     channel: Option<&Bound<'_, PyAny>>,
-    band: Option<[f64; 2]>,
-    near: Option<f64>,
-    method: &str,
-    filter_order: usize,
-    window: Option<[f64; 2]>,
-    order: Option<usize>,
-    mode: Option<f64>,
+    #[pyo3(from_py_with = named::band)] band: Option<[f64; 2]>,
+    #[pyo3(from_py_with = named::near)] near: Option<f64>,
+    #[pyo3(from_py_with = named::method)] method: &str,
+    #[pyo3(from_py_with = named::filter_order)] filter_order: usize,
+    #[pyo3(from_py_with = named::window)] window: Option<[f64; 2]>,
+    #[pyo3(from_py_with = named::order)] order: Option<usize>,
+    #[pyo3(from_py_with = named::mode)] mode: Option<f64>,
 ) -> PyResult<Envelope> {
     let method = method_named(method)?;
     let band = match (mode, band, near) {
@@ -227,16 +228,16 @@ pub(crate) fn envelope(
 pub(crate) fn _envelopes(
     py: Python<'_>,
     records: Vec<Bound<'_, PyAny>>,
-    dt: Option<f64>,
+    #[pyo3(from_py_with = named::dt)] dt: Option<f64>,
     channel: Option<&Bound<'_, PyAny>>,
-    band: Option<[f64; 2]>,
-    near: Option<f64>,
-    method: &str,
-    filter_order: usize,
-    window: Option<[f64; 2]>,
-    order: Option<usize>,
-    first: usize,
-    threads: Option<usize>,
+    #[pyo3(from_py_with = named::band)] band: Option<[f64; 2]>,
+    #[pyo3(from_py_with = named::near)] near: Option<f64>,
+    #[pyo3(from_py_with = named::method)] method: &str,
+    #[pyo3(from_py_with = named::filter_order)] filter_order: usize,
+    #[pyo3(from_py_with = named::window)] window: Option<[f64; 2]>,
+    #[pyo3(from_py_with = named::order)] order: Option<usize>,
+    #[pyo3(from_py_with = named::first)] first: usize,
+    #[pyo3(from_py_with = named::threads)] threads: Option<usize>,
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Vec<Envelope>> {
     let (method, threads) = (method_named(method)?, thread_count(threads)?);

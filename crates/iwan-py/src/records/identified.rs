@@ -17,6 +17,7 @@ use crate::exchange::arguments::{Call, in_python};
 use crate::exchange::array::array;
 use crate::exchange::errors::{computation, identification, value};
 use crate::exchange::files::{kept, write};
+use crate::exchange::named::{self, ByName, item};
 use crate::exchange::options::{thread_count, unknown};
 use crate::exchange::work::{self, Control};
 use crate::records::envelope::{Envelope, method_named};
@@ -24,8 +25,6 @@ use crate::records::likelihood::Likelihood;
 use crate::records::mode_records::{Modal, band_of_mode, modal, motion};
 
 /// What was asked for, by the names of the arguments of `iwan.fit`.
-#[derive(FromPyObject)]
-#[pyo3(from_item_all)]
 pub(crate) struct Request<'py> {
     channel: Option<Bound<'py, PyAny>>,
     quantity: Option<String>,
@@ -38,7 +37,26 @@ pub(crate) struct Request<'py> {
     filter_order: usize,
     window: Option<[f64; 2]>,
     order: Option<usize>,
-    hold: Vec<(String, f64)>,
+    hold: ByName<f64>,
+}
+
+impl<'py> Request<'py> {
+    fn read(arguments: &Bound<'py, PyAny>) -> PyResult<Self> {
+        Ok(Self {
+            channel: item(arguments, "channel")?,
+            quantity: item(arguments, "quantity")?,
+            shape: item(arguments, "shape")?,
+            mass: item(arguments, "mass")?,
+            band: item(arguments, "band")?,
+            near: item(arguments, "near")?,
+            mode: item(arguments, "mode")?,
+            method: item(arguments, "method")?,
+            filter_order: item(arguments, "filter_order")?,
+            window: item(arguments, "window")?,
+            order: item(arguments, "order")?,
+            hold: item(arguments, "hold")?,
+        })
+    }
 }
 
 impl Request<'_> {
@@ -50,7 +68,7 @@ impl Request<'_> {
                 .map(|parameter| Held { parameter, value: *held })
                 .ok_or_else(|| unknown("hold", name, &names()))
         };
-        let held = self.hold.iter().map(parameter).collect::<PyResult<Vec<_>>>()?;
+        let held = self.hold.0.iter().map(parameter).collect::<PyResult<Vec<_>>>()?;
         let Self { near, filter_order, order, .. } = *self;
         let (band, window) = (self.band.map(Into::into), self.window.map(Into::into));
         let options = Options { band, near, filter_order, window, order };
@@ -112,7 +130,7 @@ pub(crate) struct Identified(pub(super) Arc<Made>);
 
 /// Refuses the name of a law that is not in the list.
 #[pyfunction]
-pub(crate) fn _check_law(law: &str) -> PyResult<()> {
+pub(crate) fn _check_law(#[pyo3(from_py_with = named::law)] law: &str) -> PyResult<()> {
     let names: Vec<&str> = CANDIDATES.iter().map(|candidate| candidate.name).collect();
     if names.contains(&law) { Ok(()) } else { Err(unknown("law", law, &names)) }
 }
@@ -123,7 +141,7 @@ pub(crate) fn _check_law(law: &str) -> PyResult<()> {
 pub(crate) fn _identify<'py>(
     py: Python<'py>,
     records: Vec<Bound<'py, PyAny>>,
-    request: Request<'py>,
+    #[pyo3(from_py_with = Request::read)] request: Request<'py>,
     progress: Option<&Bound<'py, PyAny>>,
 ) -> PyResult<Identified> {
     let task = request.task(&records, &request.settings()?)?;
@@ -136,8 +154,8 @@ pub(crate) fn _identify<'py>(
 pub(crate) fn _identify_many<'py>(
     py: Python<'py>,
     groups: Vec<Vec<Bound<'py, PyAny>>>,
-    request: Request<'py>,
-    threads: Option<usize>,
+    #[pyo3(from_py_with = Request::read)] request: Request<'py>,
+    #[pyo3(from_py_with = named::threads)] threads: Option<usize>,
     progress: Option<&Bound<'py, PyAny>>,
 ) -> PyResult<Vec<Bound<'py, PyAny>>> {
     let (settings, threads) = (request.settings()?, thread_count(threads)?);
@@ -169,7 +187,11 @@ fn scale(records: &mut [Modal], mass: Option<f64>) -> PyResult<()> {
 #[pymethods]
 impl Identified {
     /// Everything as a dict of plain values and arrays.
-    fn told<'py>(&self, py: Python<'py>, force_axis: &str) -> PyResult<Bound<'py, PyDict>> {
+    fn told<'py>(
+        &self,
+        py: Python<'py>,
+        #[pyo3(from_py_with = named::force_axis)] force_axis: &str,
+    ) -> PyResult<Bound<'py, PyDict>> {
         let (found, dict) = (&self.0.found, PyDict::new(py));
         six(&dict, &found.profiles.parameters, found.profiles.limit, &found.verdict)?;
         dict.set_item("dissipation_misfit", found.verdict.dissipation_misfit)?;
@@ -194,10 +216,10 @@ impl Identified {
     fn report(
         &self,
         py: Python<'_>,
-        path: PathBuf,
-        names: Option<Vec<String>>,
-        force_axis: &str,
-        force: bool,
+        #[pyo3(from_py_with = named::path)] path: PathBuf,
+        #[pyo3(from_py_with = named::names)] names: Option<Vec<String>>,
+        #[pyo3(from_py_with = named::force_axis)] force_axis: &str,
+        #[pyo3(from_py_with = named::force)] force: bool,
     ) -> PyResult<()> {
         let (made, joint_force) = (self.0.clone(), force_axis == "joint");
         let names = self.called(names)?;
@@ -210,11 +232,11 @@ impl Identified {
     fn json(
         &self,
         py: Python<'_>,
-        path: Option<PathBuf>,
-        names: Option<Vec<String>>,
-        force_axis: &str,
-        law: Option<String>,
-        force: bool,
+        #[pyo3(from_py_with = named::path)] path: Option<PathBuf>,
+        #[pyo3(from_py_with = named::names)] names: Option<Vec<String>>,
+        #[pyo3(from_py_with = named::force_axis)] force_axis: &str,
+        #[pyo3(from_py_with = named::law)] law: Option<String>,
+        #[pyo3(from_py_with = named::force)] force: bool,
     ) -> PyResult<String> {
         let (made, joint_force) = (self.0.clone(), force_axis == "joint");
         let names = self.called(names)?;

@@ -11,6 +11,7 @@ use pyo3::prelude::*;
 
 use crate::exchange::array::{Numbers, array, shaped};
 use crate::exchange::errors::{computation, value};
+use crate::exchange::named;
 use crate::exchange::options::thread_count;
 use crate::exchange::pickle::Remake;
 use crate::exchange::work;
@@ -110,7 +111,7 @@ impl Likelihood {
     fn log<'py>(
         &self,
         theta: &Bound<'py, PyAny>,
-        threads: Option<usize>,
+        #[pyo3(from_py_with = named::threads)] threads: Option<usize>,
     ) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
         let (py, width) = (theta.py(), self.width());
         let Numbers { values, shape } = Numbers::read("theta", theta)?;

@@ -4,15 +4,21 @@ use std::path::PathBuf;
 
 use iwan_ident::curves;
 use iwan_ident::signal::{Event, SpectralPeak};
-use iwan_io::{Format, Quantity, ReadOptions, UnknownTimeUnit, quantity_of_unit};
+use iwan_io::{
+    Format, Quantity, ReadOptions, TimeUnit, UnknownTimeUnit, Warning, quantity_of_unit, unit_of_times,
+};
+use iwan_machine::Kind;
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{PyBool, PyDict};
 
 use crate::exchange::arguments::{Call, in_python};
 use crate::exchange::array::{Numbers, array, freeze, frozen_rows};
-use crate::exchange::errors::{identification, no_record, reading, value, value_of, warn, wrong_type};
+use crate::exchange::errors::{
+    identification, no_record, of, reading, record as record_error, value, value_of, warn, wrong_type,
+};
+use crate::exchange::named;
 use crate::exchange::options::choose;
 use crate::exchange::pickle::Remake;
 use crate::exchange::work;
@@ -103,7 +109,8 @@ impl Record {
             return found
                 .ok_or_else(|| value(format!("there is no channel '{name}': there are {}", names())));
         }
-        let Ok(i) = channel.extract::<i64>() else {
+        let number = (!channel.is_instance_of::<PyBool>()).then(|| channel.extract::<i64>().ok()).flatten();
+        let Some(i) = number else {
             return Err(wrong_type("channel must be the name or the number of a channel"));
         };
         let size = usize::try_from(i.unsigned_abs()).ok();
@@ -194,11 +201,11 @@ impl Record {
     #[pyo3(signature = (samples, *, dt, names = None, quantity = "unknown", unit = "", start = 0.0))]
     fn new(
         samples: &Bound<'_, PyAny>,
-        dt: f64,
-        names: Option<Vec<String>>,
-        quantity: &str,
-        unit: &str,
-        start: f64,
+        #[pyo3(from_py_with = named::dt)] dt: f64,
+        #[pyo3(from_py_with = named::names)] names: Option<Vec<String>>,
+        #[pyo3(from_py_with = named::quantity)] quantity: &str,
+        #[pyo3(from_py_with = named::unit)] unit: &str,
+        #[pyo3(from_py_with = named::start)] start: f64,
     ) -> PyResult<Self> {
         let record = Self::of_samples(samples, dt, names, quantity, unit, start)?;
         check_unit(record.quantity, unit)?;
@@ -278,7 +285,12 @@ impl Record {
     /// >>> record.between(start=0.0).samples
     /// array([[1., 4., 9.]])
     #[pyo3(signature = (start = None, stop = None))]
-    fn between(&self, py: Python<'_>, start: Option<f64>, stop: Option<f64>) -> PyResult<Self> {
+    fn between(
+        &self,
+        py: Python<'_>,
+        #[pyo3(from_py_with = named::start)] start: Option<f64>,
+        #[pyo3(from_py_with = named::stop)] stop: Option<f64>,
+    ) -> PyResult<Self> {
         let cut = self.whole(py)?.between(start, stop).map_err(|error| no_record(&error))?;
         Ok(Self { warnings: self.warnings.clone(), ..Self::wrap(py, &cut)? })
     }
@@ -446,17 +458,17 @@ pub(crate) fn _record(
 #[expect(clippy::too_many_arguments, reason = "keyword arguments of Python")]
 pub(crate) fn read_record(
     py: Python<'_>,
-    path: PathBuf,
-    format: Option<&str>,
-    time: Option<String>,
-    channels: Vec<String>,
-    rate: Option<f64>,
-    quantity: Option<&str>,
-    resample: bool,
-    time_unit: Option<&str>,
-    unit: Option<String>,
-    start: Option<f64>,
-    stop: Option<f64>,
+    #[pyo3(from_py_with = named::path)] path: PathBuf,
+    #[pyo3(from_py_with = named::format)] format: Option<&str>,
+    #[pyo3(from_py_with = named::time)] time: Option<String>,
+    #[pyo3(from_py_with = named::channels)] channels: Vec<String>,
+    #[pyo3(from_py_with = named::rate)] rate: Option<f64>,
+    #[pyo3(from_py_with = named::quantity)] quantity: Option<&str>,
+    #[pyo3(from_py_with = named::resample)] resample: bool,
+    #[pyo3(from_py_with = named::time_unit)] time_unit: Option<&str>,
+    #[pyo3(from_py_with = named::unit)] unit: Option<String>,
+    #[pyo3(from_py_with = named::start)] start: Option<f64>,
+    #[pyo3(from_py_with = named::stop)] stop: Option<f64>,
 ) -> PyResult<Record> {
     let format = format.map(|name| choose("format", name, &FORMATS)).transpose()?;
     let quantity = quantity.map(|name| choose("quantity", name, &QUANTITIES)).transpose()?;
@@ -468,21 +480,39 @@ pub(crate) fn read_record(
     Record::wrap(py, &record.between(start, stop).map_err(|error| no_record(&error))?)?.warned(py)
 }
 
-/// Reads a record from the bytes of a file.
+/// Seconds in the unit of times: that which is written beside them, or else the one in their name, or else 1.
+#[pyfunction]
+pub(crate) fn _seconds_in(name: &str, unit: &str) -> PyResult<f64> {
+    let written = if unit.trim().is_empty() { unit_of_times(name) } else { unit.to_owned() };
+    if written.trim().is_empty() {
+        return Ok(1.0);
+    }
+    written.parse().map(TimeUnit::seconds).map_err(|error: UnknownTimeUnit| {
+        let message =
+            format!("the times '{name}' are in '{}': {error}; give dt=, or times in seconds", error.text);
+        of(Kind::TimeUnit, record_error(message))
+    })
+}
+
+/// Reads a record from the bytes of a file; `left_out` are names beside it that make no channel, with the reasons.
 #[pyfunction]
 #[expect(clippy::too_many_arguments, reason = "keyword arguments of Python")]
 pub(crate) fn _read_bytes(
     py: Python<'_>,
     name: PathBuf,
     bytes: &[u8],
-    time: Option<String>,
-    channels: Vec<String>,
-    rate: Option<f64>,
-    quantity: Option<&str>,
-    resample: bool,
+    #[pyo3(from_py_with = named::time)] time: Option<String>,
+    #[pyo3(from_py_with = named::channels)] channels: Vec<String>,
+    #[pyo3(from_py_with = named::rate)] rate: Option<f64>,
+    #[pyo3(from_py_with = named::quantity)] quantity: Option<&str>,
+    #[pyo3(from_py_with = named::resample)] resample: bool,
+    left_out: Vec<(String, String)>,
 ) -> PyResult<Record> {
     let quantity = quantity.map(|name| choose("quantity", name, &QUANTITIES)).transpose()?;
     let options = ReadOptions { time, channels, rate, quantity, resample, ..ReadOptions::default() };
     let record = iwan_io::read_bytes(&name, bytes, &options);
-    Record::wrap(py, &record.map_err(|error| reading(Call::Data, &error))?)?.warned(py)
+    let mut record = Record::wrap(py, &record.map_err(|error| reading(Call::Data, &error))?)?;
+    let left_out = left_out.into_iter().map(|(name, reason)| Warning::LeftOut { name, reason }.to_string());
+    record.warnings.extend(left_out);
+    record.warned(py)
 }

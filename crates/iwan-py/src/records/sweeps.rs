@@ -14,15 +14,24 @@ use crate::exchange::arguments::Call;
 use crate::exchange::array::{Numbers, array};
 use crate::exchange::errors::{computation, identification, reading, record, value};
 use crate::exchange::files::{kept, write};
+use crate::exchange::named::{self, Argument, ByName};
 use crate::exchange::options::unknown;
 use crate::exchange::work;
 use crate::records::identified::{Identified, six};
 
 /// A path of a file, or a name with columns by their names.
-#[derive(FromPyObject)]
 pub(crate) enum Source<'py> {
     Columns(String, Vec<(String, Bound<'py, PyAny>)>),
     File(PathBuf),
+}
+
+impl<'py> Argument<'_, 'py> for Source<'py> {
+    fn read(name: &str, given: &Bound<'py, PyAny>) -> PyResult<Self> {
+        match given.extract() {
+            Ok((source, columns)) => Ok(Self::Columns(source, columns)),
+            Err(_) => PathBuf::read(name, given).map(Self::File),
+        }
+    }
 }
 
 impl Source<'_> {
@@ -62,11 +71,11 @@ pub(crate) struct FittedSweeps(Arc<(SweepTest, SteadyFit)>);
 #[expect(clippy::too_many_arguments, reason = "the arguments of a function of Python, and who hears of it")]
 pub(crate) fn _fit_sweeps<'py>(
     py: Python<'py>,
-    sweeps: Vec<Source<'py>>,
-    backbones: Vec<Source<'py>>,
-    levels: Vec<f64>,
-    mass: Option<f64>,
-    hold: Vec<(String, f64)>,
+    #[pyo3(from_py_with = named::sweeps)] sweeps: Vec<Source<'py>>,
+    #[pyo3(from_py_with = named::backbones)] backbones: Vec<Source<'py>>,
+    #[pyo3(from_py_with = named::levels)] levels: Vec<f64>,
+    #[pyo3(from_py_with = named::mass)] mass: Option<f64>,
+    #[pyo3(from_py_with = named::hold)] hold: ByName<f64>,
     ring_downs: Option<&Bound<'py, Identified>>,
     progress: Option<&Bound<'py, PyAny>>,
 ) -> PyResult<FittedSweeps> {
@@ -81,7 +90,7 @@ pub(crate) fn _fit_sweeps<'py>(
         let found = Parameter::ALL.into_iter().find(|p| p.name() == name);
         found.map(|parameter| (parameter, held)).ok_or_else(|| unknown("hold", &name, &names()))
     };
-    let hold = hold.into_iter().map(held).collect::<PyResult<Vec<_>>>()?;
+    let hold = hold.0.into_iter().map(held).collect::<PyResult<Vec<_>>>()?;
     let responses = sweeps.into_iter().map(|source| (SweepKind::Response, source));
     let backbones = backbones.into_iter().map(|source| (SweepKind::Backbone, source));
     let sources = responses.chain(backbones).map(|(kind, source)| Ok((kind, source.read()?)));
@@ -110,14 +119,24 @@ impl FittedSweeps {
     }
 
     /// `fit.json` of `iwan fit`; in a file, too, where one is named.
-    fn json(&self, py: Python<'_>, path: Option<PathBuf>, force: bool) -> PyResult<String> {
+    fn json(
+        &self,
+        py: Python<'_>,
+        #[pyo3(from_py_with = named::path)] path: Option<PathBuf>,
+        #[pyo3(from_py_with = named::force)] force: bool,
+    ) -> PyResult<String> {
         let made = self.0.clone();
         let text = work::run(py, true, move |_| made.0.json(&made.1))?;
         kept(py, path.as_deref(), text.map_err(computation)?, force)
     }
 
     /// Writes the page of `iwan fit`, whole or not at all.
-    fn report(&self, py: Python<'_>, path: PathBuf, force: bool) -> PyResult<()> {
+    fn report(
+        &self,
+        py: Python<'_>,
+        #[pyo3(from_py_with = named::path)] path: PathBuf,
+        #[pyo3(from_py_with = named::force)] force: bool,
+    ) -> PyResult<()> {
         let made = self.0.clone();
         let page = work::run(py, true, move |_| made.0.page(&made.1))?.map_err(computation)?;
         write(py, &path, &page, force)

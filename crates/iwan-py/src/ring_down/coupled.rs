@@ -6,6 +6,7 @@ use pyo3::types::{PyDict, PyList};
 
 use crate::exchange::array::array;
 use crate::exchange::errors::{core, simulation};
+use crate::exchange::named;
 use crate::exchange::options::{MethodOptions, method, representation_of, thread_count};
 use crate::exchange::work;
 use crate::ring_down::response::{Response, balance};
@@ -16,6 +17,21 @@ use crate::values::pulse::Force;
 
 /// A joint as Python passes it: name, law, participation in each mode, compliance to each joint, slip at the load.
 pub(crate) type GivenJoint<'py> = (String, Bound<'py, Joint>, Vec<f64>, Vec<f64>, f64);
+
+/// Reads the joints that modes share.
+pub(crate) fn given_joints<'py>(given: &Bound<'py, PyAny>) -> PyResult<Vec<GivenJoint<'py>>> {
+    let one = |given: Bound<'py, PyAny>| {
+        let [name, joint, participation, compliance, slip]: [Bound<'py, PyAny>; 5] = given.extract()?;
+        Ok((
+            named::name(&name)?,
+            named::joint(&joint)?,
+            named::participation(&participation)?,
+            named::compliance(&compliance)?,
+            named::slip_at_force(&slip)?,
+        ))
+    };
+    given.try_iter()?.map(|given| one(given?)).collect()
+}
 
 /// The joints in the form that the simulation takes.
 pub(crate) fn shared(joints: Vec<GivenJoint<'_>>) -> Vec<SharedJoint> {
@@ -31,17 +47,17 @@ pub(crate) fn shared(joints: Vec<GivenJoint<'_>>) -> Vec<SharedJoint> {
 #[expect(clippy::too_many_arguments, reason = "keyword arguments of Python")]
 pub(crate) fn _simulate_coupled<'py>(
     py: Python<'py>,
-    modes: Vec<Bound<'py, Mode>>,
-    joints: Vec<GivenJoint<'py>>,
+    #[pyo3(from_py_with = named::modes)] modes: Vec<Bound<'py, Mode>>,
+    #[pyo3(from_py_with = given_joints)] joints: Vec<GivenJoint<'py>>,
     force: Option<&Bound<'py, PyAny>>,
-    dt: f64,
-    duration: f64,
-    sliders: Option<usize>,
+    #[pyo3(from_py_with = named::dt)] dt: f64,
+    #[pyo3(from_py_with = named::duration)] duration: f64,
+    #[pyo3(from_py_with = named::sliders)] sliders: Option<usize>,
     grid: Option<&Bound<'py, PyAny>>,
-    prewarp: bool,
+    #[pyo3(from_py_with = named::prewarp)] prewarp: bool,
     initial: Option<&Bound<'py, PyAny>>,
-    quality: bool,
-    threads: Option<usize>,
+    #[pyo3(from_py_with = named::quality)] quality: bool,
+    #[pyo3(from_py_with = named::threads)] threads: Option<usize>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let mut modes: Vec<iwan_sim::Mode> = modes.iter().map(|mode| mode.get().mode.clone()).collect();
     set_initial(&mut modes, initial)?;

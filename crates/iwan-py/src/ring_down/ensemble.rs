@@ -7,6 +7,7 @@ use pyo3::prelude::*;
 
 use crate::exchange::array::{Numbers, array, place};
 use crate::exchange::errors::{simulation_at, value};
+use crate::exchange::named;
 use crate::exchange::options::{MethodOptions, choose, method, representation_of, thread_count};
 use crate::exchange::work;
 use crate::values::pulse::Force;
@@ -62,16 +63,16 @@ pub(crate) fn _ensemble(
     py: Python<'_>,
     columns: Vec<Bound<'_, PyAny>>,
     force: Option<&Bound<'_, PyAny>>,
-    dt: f64,
-    duration: f64,
-    method: &str,
-    sliders: Option<usize>,
+    #[pyo3(from_py_with = named::dt)] dt: f64,
+    #[pyo3(from_py_with = named::duration)] duration: f64,
+    #[pyo3(from_py_with = named::method)] method: &str,
+    #[pyo3(from_py_with = named::sliders)] sliders: Option<usize>,
     grid: Option<&Bound<'_, PyAny>>,
-    prewarp: bool,
-    keep: Vec<String>,
-    shape: Vec<usize>,
-    first: usize,
-    threads: Option<usize>,
+    #[pyo3(from_py_with = named::prewarp)] prewarp: bool,
+    #[pyo3(from_py_with = named::keep)] keep: Vec<String>,
+    #[pyo3(from_py_with = named::shape)] shape: Vec<usize>,
+    #[pyo3(from_py_with = named::first)] first: usize,
+    #[pyo3(from_py_with = named::threads)] threads: Option<usize>,
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Arrays> {
     let columns = Columns::read(&columns)?;

@@ -10,6 +10,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::exchange::array::array;
+use crate::exchange::named::Instance;
 use crate::exchange::pickle::Remake;
 
 /// Response of a mode: one entry per `dt`, the initial state first. Made by `simulate`.
@@ -37,6 +38,8 @@ pub(crate) struct Response {
     #[pyo3(get)]
     joint_force: Py<PyArray1<f64>>,
 }
+
+impl Instance for Response {}
 
 impl Response {
     /// Takes the samples over.

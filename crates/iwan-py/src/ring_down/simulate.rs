@@ -7,6 +7,7 @@ use pyo3::types::PyDict;
 
 use crate::exchange::array::{Numbers, array};
 use crate::exchange::errors::{core, simulation, value, warn, wrong_type};
+use crate::exchange::named;
 use crate::exchange::options::{MethodOptions, method as method_named, representation_of, thread_count};
 use crate::exchange::work;
 use crate::ring_down::response::Response;
@@ -50,17 +51,17 @@ pub(crate) const LASTING: usize = 1_000_000;
 pub(crate) fn simulate<'py>(
     mode: &Bound<'py, PyAny>,
     force: Option<&Bound<'py, PyAny>>,
-    dt: f64,
-    duration: f64,
-    method: &str,
-    sliders: Option<usize>,
+    #[pyo3(from_py_with = named::dt)] dt: f64,
+    #[pyo3(from_py_with = named::duration)] duration: f64,
+    #[pyo3(from_py_with = named::method)] method: &str,
+    #[pyo3(from_py_with = named::sliders)] sliders: Option<usize>,
     grid: Option<&Bound<'py, PyAny>>,
-    prewarp: bool,
-    beta: f64,
-    gamma: f64,
+    #[pyo3(from_py_with = named::prewarp)] prewarp: bool,
+    #[pyo3(from_py_with = named::beta)] beta: f64,
+    #[pyo3(from_py_with = named::gamma)] gamma: f64,
     initial: Option<&Bound<'py, PyAny>>,
-    quality: bool,
-    threads: Option<usize>,
+    #[pyo3(from_py_with = named::quality)] quality: bool,
+    #[pyo3(from_py_with = named::threads)] threads: Option<usize>,
 ) -> PyResult<Bound<'py, PyAny>> {
     let py = mode.py();
     let (mut modes, single) = modes(mode)?;
@@ -172,11 +173,11 @@ pub(crate) fn set_initial(modes: &mut [iwan_sim::Mode], initial: Option<&Bound<'
 /// >>> float(iwan.superpose(modes, responses)["tip"]["displacement"][0])
 /// 2.0
 #[pyfunction]
-pub(crate) fn superpose(
-    py: Python<'_>,
-    modes: Vec<Py<Mode>>,
-    responses: Vec<Py<Response>>,
-) -> PyResult<Bound<'_, PyDict>> {
+pub(crate) fn superpose<'py>(
+    py: Python<'py>,
+    #[pyo3(from_py_with = named::modes)] modes: Vec<Bound<'py, Mode>>,
+    #[pyo3(from_py_with = named::responses)] responses: Vec<Bound<'py, Response>>,
+) -> PyResult<Bound<'py, PyDict>> {
     if modes.len() != responses.len() {
         let (m, r) = (modes.len(), responses.len());
         return Err(value(format!("{m} modes and {r} responses: give one response for each mode")));

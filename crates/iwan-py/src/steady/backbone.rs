@@ -6,6 +6,7 @@ use pyo3::types::{PyDict, PyList};
 
 use crate::exchange::array::{Numbers, array};
 use crate::exchange::errors::simulation;
+use crate::exchange::named;
 use crate::exchange::options::thread_count;
 use crate::exchange::work;
 use crate::values::mode::Mode;
@@ -14,10 +15,10 @@ use crate::values::mode::Mode;
 #[pyfunction]
 pub(crate) fn _backbone<'py>(
     py: Python<'py>,
-    modes: Vec<Bound<'py, Mode>>,
+    #[pyo3(from_py_with = named::modes)] modes: Vec<Bound<'py, Mode>>,
     amplitude: &Bound<'py, PyAny>,
-    harmonics: usize,
-    threads: Option<usize>,
+    #[pyo3(from_py_with = named::harmonics)] harmonics: usize,
+    #[pyo3(from_py_with = named::threads)] threads: Option<usize>,
 ) -> PyResult<Bound<'py, PyList>> {
     let amplitudes = Numbers::vector("amplitude", amplitude)?;
     let modes: Vec<iwan_sim::Mode> = modes.into_iter().map(|mode| mode.get().mode.clone()).collect();

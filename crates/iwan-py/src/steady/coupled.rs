@@ -7,20 +7,21 @@ use pyo3::types::{PyDict, PyList};
 use super::{backbone, frf};
 use crate::exchange::array::Numbers;
 use crate::exchange::errors::{simulation, value};
+use crate::exchange::named;
 use crate::exchange::options::thread_count;
 use crate::exchange::work;
-use crate::ring_down::coupled::{GivenJoint, shared};
+use crate::ring_down::coupled::{GivenJoint, given_joints, shared};
 use crate::values::mode::Mode;
 
 /// Forced responses of coupled modes: a list of dicts. `at` is a point among the modes' outputs, or a mode.
 #[pyfunction]
 pub(crate) fn _frf_coupled<'py>(
     py: Python<'py>,
-    modes: Vec<Bound<'py, Mode>>,
-    joints: Vec<GivenJoint<'py>>,
-    asked: frf::Given<'py>,
-    at: Option<&str>,
-    threads: Option<usize>,
+    #[pyo3(from_py_with = named::modes)] modes: Vec<Bound<'py, Mode>>,
+    #[pyo3(from_py_with = given_joints)] joints: Vec<GivenJoint<'py>>,
+    #[pyo3(from_py_with = frf::asked)] asked: frf::Given<'py>,
+    #[pyo3(from_py_with = named::at)] at: Option<&str>,
+    #[pyo3(from_py_with = named::threads)] threads: Option<usize>,
 ) -> PyResult<Bound<'py, PyList>> {
     let (modes, joints) = (owned(modes), shared(joints));
     let sweep = frf::sweep(asked)?;
@@ -51,11 +52,11 @@ pub(crate) fn _frf_coupled<'py>(
 #[pyfunction]
 pub(crate) fn _backbone_coupled<'py>(
     py: Python<'py>,
-    modes: Vec<Bound<'py, Mode>>,
-    joints: Vec<GivenJoint<'py>>,
-    mode: usize,
+    #[pyo3(from_py_with = named::modes)] modes: Vec<Bound<'py, Mode>>,
+    #[pyo3(from_py_with = given_joints)] joints: Vec<GivenJoint<'py>>,
+    #[pyo3(from_py_with = named::mode)] mode: usize,
     amplitude: &Bound<'py, PyAny>,
-    harmonics: usize,
+    #[pyo3(from_py_with = named::harmonics)] harmonics: usize,
 ) -> PyResult<Bound<'py, PyDict>> {
     let (modes, joints) = (owned(modes), shared(joints));
     let amplitudes = Numbers::vector("amplitude", amplitude)?;

@@ -9,12 +9,25 @@ use pyo3::types::{PyDict, PyList};
 
 use crate::exchange::array::{Numbers, array};
 use crate::exchange::errors::{simulation, value};
+use crate::exchange::named;
 use crate::exchange::options::{choose, thread_count};
 use crate::exchange::work;
 use crate::values::mode::Mode;
 
 /// A sweep as Python passes it: name of the quantity that is held, its amplitudes, the band, the highest harmonic, the number of points.
-pub(crate) type Given<'py> = (String, Bound<'py, PyAny>, (f64, f64), usize, usize);
+pub(crate) type Given<'py> = (String, Bound<'py, PyAny>, [f64; 2], usize, usize);
+
+/// Reads what Python passes.
+pub(crate) fn asked<'py>(given: &Bound<'py, PyAny>) -> PyResult<Given<'py>> {
+    let [control, levels, band, harmonics, points]: [Bound<'py, PyAny>; 5] = given.extract()?;
+    Ok((
+        named::control(&control)?,
+        levels,
+        named::band(&band)?,
+        named::harmonics(&harmonics)?,
+        named::points(&points)?,
+    ))
+}
 
 /// The sweep in the form that the library takes.
 pub(crate) fn sweep((control, levels, band, harmonics, points): Given<'_>) -> PyResult<Sweep> {
@@ -27,7 +40,7 @@ pub(crate) fn sweep((control, levels, band, harmonics, points): Given<'_>) -> Py
     ];
     let control = choose("control", &control, &controls.map(|control| (control.name(), control)))?;
     let levels = Numbers::vector(control.name(), &levels)?;
-    let sweep = Sweep { from: band.0, to: band.1, control, levels, harmonics, points };
+    let sweep = Sweep { from: band[0], to: band[1], control, levels, harmonics, points };
     sweep.checked().map_err(simulation)?;
     Ok(sweep)
 }
@@ -54,10 +67,10 @@ pub(crate) fn coupled_curves(
 #[pyfunction]
 pub(crate) fn _frf<'py>(
     py: Python<'py>,
-    modes: Vec<Bound<'py, Mode>>,
-    asked: Given<'py>,
-    at: Option<&str>,
-    threads: Option<usize>,
+    #[pyo3(from_py_with = named::modes)] modes: Vec<Bound<'py, Mode>>,
+    #[pyo3(from_py_with = asked)] asked: Given<'py>,
+    #[pyo3(from_py_with = named::at)] at: Option<&str>,
+    #[pyo3(from_py_with = named::threads)] threads: Option<usize>,
 ) -> PyResult<Bound<'py, PyList>> {
     let sweep = sweep(asked)?;
     let levels = sweep.levels.len();

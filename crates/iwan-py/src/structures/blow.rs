@@ -10,6 +10,7 @@ use pyo3::types::PyDict;
 
 use crate::exchange::array::array;
 use crate::exchange::errors::{fem, input, value};
+use crate::exchange::named::{self, ByName};
 use crate::exchange::options::{representation_of, unknown};
 use crate::exchange::work::{self, Control};
 use crate::ring_down::response::balance;
@@ -40,21 +41,21 @@ struct Request {
 pub(crate) fn _simulate_structure<'py>(
     structure: &Bound<'py, Structure>,
     force: Option<&Bound<'py, PyAny>>,
-    velocity: Vec<(String, f64)>,
-    dt: f64,
-    duration: f64,
-    modes: Vec<String>,
-    model: &str,
-    basis: Option<usize>,
-    tolerance: Option<f64>,
-    sliders: Option<usize>,
+    #[pyo3(from_py_with = named::velocity)] velocity: ByName<f64>,
+    #[pyo3(from_py_with = named::dt)] dt: f64,
+    #[pyo3(from_py_with = named::duration)] duration: f64,
+    #[pyo3(from_py_with = named::modes)] modes: Vec<String>,
+    #[pyo3(from_py_with = named::model)] model: &str,
+    #[pyo3(from_py_with = named::basis)] basis: Option<usize>,
+    #[pyo3(from_py_with = named::tolerance)] tolerance: Option<f64>,
+    #[pyo3(from_py_with = named::sliders)] sliders: Option<usize>,
     grid: Option<&Bound<'py, PyAny>>,
-    quality: bool,
+    #[pyo3(from_py_with = named::quality)] quality: bool,
     progress: Option<&Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let request = Request {
         force: force.map(|force| Force::read(Some(force), dt)).transpose()?,
-        velocity: velocity.into_iter().map(|(mode, velocity)| ModalVelocity { mode, velocity }).collect(),
+        velocity: velocity.0.into_iter().map(|(mode, velocity)| ModalVelocity { mode, velocity }).collect(),
         dt: positive("dt", dt)?,
         duration: positive("duration", duration)?,
         modes,

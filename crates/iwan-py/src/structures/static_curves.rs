@@ -7,6 +7,7 @@ use pyo3::types::PyDict;
 
 use crate::exchange::array::{Numbers, array};
 use crate::exchange::errors::{fem, value};
+use crate::exchange::named;
 use crate::exchange::work::{self, Control};
 use crate::structures::structure::{Loaded, Structure};
 
@@ -33,9 +34,9 @@ enum Range {
 #[pyfunction]
 pub(crate) fn _quasi_static<'py>(
     structure: &Bound<'py, Structure>,
-    mode: &str,
+    #[pyo3(from_py_with = named::mode)] mode: &str,
     displacement: Option<&Bound<'py, PyAny>>,
-    points: usize,
+    #[pyo3(from_py_with = named::points)] points: usize,
 ) -> PyResult<Bound<'py, PyDict>> {
     let (py, this) = (structure.py(), structure.get().0.clone());
     let mut slips = this.file.structure.joints.iter().flat_map(|joint| &joint.slips);

@@ -8,6 +8,7 @@ use pyo3::types::{PyDict, PyList};
 
 use crate::exchange::array::Numbers;
 use crate::exchange::errors::{fem, input, simulation, value};
+use crate::exchange::named;
 use crate::exchange::options::thread_count;
 use crate::exchange::work::{self, Control as Watch};
 use crate::steady::{backbone, frf};
@@ -56,6 +57,12 @@ impl From<SimulationError> for Refused {
 /// What Python passes about the model: the observed output, the viscous damping ratio of all modes, the number of modes.
 type Given = (Option<String>, f64, Option<usize>);
 
+/// Reads it.
+fn model(given: &Bound<'_, PyAny>) -> PyResult<Given> {
+    let [at, damping_ratio, basis]: [Bound<'_, PyAny>; 3] = given.extract()?;
+    Ok((named::at(&at)?, named::damping_ratio(&damping_ratio)?, named::basis(&basis)?))
+}
+
 fn prepared(
     loaded: &Loaded,
     modes: &NamedModes,
@@ -72,10 +79,10 @@ fn prepared(
 #[pyfunction]
 pub(crate) fn _frf_structure<'py>(
     structure: &Bound<'py, Structure>,
-    asked: frf::Given<'py>,
-    direction: Option<[f64; 3]>,
-    given: Given,
-    threads: Option<usize>,
+    #[pyo3(from_py_with = frf::asked)] asked: frf::Given<'py>,
+    #[pyo3(from_py_with = named::direction)] direction: Option<[f64; 3]>,
+    #[pyo3(from_py_with = model)] given: Given,
+    #[pyo3(from_py_with = named::threads)] threads: Option<usize>,
 ) -> PyResult<(Bound<'py, PyList>, String)> {
     let (py, this) = (structure.py(), structure.get().0.clone());
     let sweep = frf::sweep(asked)?;
@@ -96,11 +103,11 @@ pub(crate) fn _frf_structure<'py>(
 #[pyfunction]
 pub(crate) fn _backbone_structure<'py>(
     structure: &Bound<'py, Structure>,
-    mode: String,
+    #[pyo3(from_py_with = named::mode)] mode: String,
     amplitude: Option<&Bound<'py, PyAny>>,
-    points: usize,
-    harmonics: usize,
-    given: Given,
+    #[pyo3(from_py_with = named::points)] points: usize,
+    #[pyo3(from_py_with = named::harmonics)] harmonics: usize,
+    #[pyo3(from_py_with = model)] given: Given,
 ) -> PyResult<Bound<'py, PyDict>> {
     let (py, this) = (structure.py(), structure.get().0.clone());
     let amplitudes = amplitude.map(|given| Numbers::vector("amplitude", given)).transpose()?;

@@ -12,6 +12,7 @@ use pyo3::types::PyDict;
 
 use crate::exchange::array::{array, cube, frozen_rows};
 use crate::exchange::errors::{fem, input, missing_file};
+use crate::exchange::named;
 use crate::exchange::pickle::Remake;
 use crate::exchange::repr;
 use crate::exchange::work::{self, Control};
@@ -74,7 +75,7 @@ impl Loaded {
 
 /// Reads a structure file.
 #[pyfunction]
-pub(crate) fn _load_structure(path: PathBuf) -> PyResult<Structure> {
+pub(crate) fn _load_structure(#[pyo3(from_py_with = named::path)] path: PathBuf) -> PyResult<Structure> {
     if let Err(error) = std::fs::metadata(&path) {
         return Err(missing_file(&path, &error));
     }
@@ -87,18 +88,18 @@ pub(crate) fn _load_structure(path: PathBuf) -> PyResult<Structure> {
 
 /// A structure that is built in.
 #[pyfunction]
-pub(crate) fn _built_in_structure(name: &str) -> PyResult<Structure> {
+pub(crate) fn _built_in_structure(#[pyo3(from_py_with = named::name)] name: &str) -> PyResult<Structure> {
     Loaded::read(built_in_structure(name).map_err(|error| input("", &error))?, true)
 }
 
 /// Makes a pickled structure again, from the text of its file or the folder of its reduced model.
 #[pyfunction]
 pub(crate) fn _structure(
-    name: String,
-    text: String,
-    folder: PathBuf,
-    built_in: bool,
-    reduced: Option<PathBuf>,
+    #[pyo3(from_py_with = named::name)] name: String,
+    #[pyo3(from_py_with = named::text)] text: String,
+    #[pyo3(from_py_with = named::folder)] folder: PathBuf,
+    #[pyo3(from_py_with = named::built_in)] built_in: bool,
+    #[pyo3(from_py_with = named::reduced)] reduced: Option<PathBuf>,
 ) -> PyResult<Structure> {
     if let Some(folder) = reduced {
         return Loaded::open_reduced(folder);
@@ -129,7 +130,11 @@ impl Structure {
     }
 
     /// The first `count` elastic modes, as a dict.
-    fn modes<'py>(&self, py: Python<'py>, count: usize) -> PyResult<Bound<'py, PyDict>> {
+    fn modes<'py>(
+        &self,
+        py: Python<'py>,
+        #[pyo3(from_py_with = named::count)] count: usize,
+    ) -> PyResult<Bound<'py, PyDict>> {
         let this = self.0.clone();
         let modes = work::run(py, true, move |control| this.named_modes(count, control))?;
         let modes = modes.map_err(|error| fem(self.0.name(), &error))?;

@@ -15,6 +15,7 @@ use serde_json::json;
 use crate::exchange::arguments::{Call, in_python};
 use crate::exchange::array::Numbers;
 use crate::exchange::errors::{computation, fem, value};
+use crate::exchange::named::{self, ByName};
 use crate::exchange::options::{thread_count, unknown};
 use crate::exchange::work;
 use crate::structures::structure::Structure;
@@ -45,13 +46,13 @@ struct Read {
 pub(crate) fn _update<'py>(
     structure: &Bound<'py, Structure>,
     curves: Vec<Given<'py>>,
-    groups: Option<BTreeMap<String, Vec<String>>>,
-    correct: Vec<(String, Option<f64>)>,
-    undamped: bool,
+    #[pyo3(from_py_with = named::groups)] groups: Option<ByName<Vec<String>>>,
+    #[pyo3(from_py_with = named::correct)] correct: ByName<Option<f64>>,
+    #[pyo3(from_py_with = named::undamped)] undamped: bool,
     blows: Vec<GivenBlow<'py>>,
-    modes: Vec<String>,
-    quantity: &str,
-    threads: Option<usize>,
+    #[pyo3(from_py_with = named::modes)] modes: Vec<String>,
+    #[pyo3(from_py_with = named::quantity)] quantity: &str,
+    #[pyo3(from_py_with = named::threads)] threads: Option<usize>,
     progress: Option<&Bound<'py, PyAny>>,
 ) -> PyResult<(String, Option<String>)> {
     let (py, loaded) = (structure.py(), structure.get().0.clone());
@@ -61,14 +62,15 @@ pub(crate) fn _update<'py>(
         let kept_out = given.2;
         if kept_out { &mut held_out } else { &mut measured }.push(curve(given)?);
     }
-    let corrections = corrections(&loaded.file, correct)?;
+    let corrections = corrections(&loaded.file, correct.0)?;
     let laws = loaded.file.laws_to_seek().0;
     if laws.is_empty() {
         let message = "no joint has a four-parameter law to be found: add slip = [{ direction = ..., law = { k_t = ..., f_s = ..., \
                        chi = ..., beta = ... } }]";
         return Err(value(format!("{}: {message}", loaded.name())));
     }
-    let groups = groups.map(|groups| named_groups(&loaded.file, &laws, groups)).transpose()?;
+    let groups =
+        groups.map(|groups| named_groups(&loaded.file, &laws, groups.0.into_iter().collect())).transpose()?;
     let kinematic = match quantity {
         "acceleration" => Kinematic::Acceleration,
         "velocity" => Kinematic::Velocity,

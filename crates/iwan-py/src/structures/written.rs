@@ -8,6 +8,7 @@ use iwan_io::atomic::Folder;
 use pyo3::prelude::*;
 
 use crate::exchange::errors::{computation, fem, value, writing};
+use crate::exchange::named;
 use crate::exchange::options::unknown;
 use crate::exchange::work;
 use crate::structures::structure::Structure;
@@ -16,9 +17,9 @@ use crate::structures::structure::Structure;
 #[pyfunction]
 pub(crate) fn _write_matrices(
     structure: &Bound<'_, Structure>,
-    folder: PathBuf,
-    format: &str,
-    force: bool,
+    #[pyo3(from_py_with = named::folder)] folder: PathBuf,
+    #[pyo3(from_py_with = named::format)] format: &str,
+    #[pyo3(from_py_with = named::force)] force: bool,
 ) -> PyResult<Vec<String>> {
     let format = match format {
         "matrix-market" => MatrixFormat::MatrixMarket,
@@ -44,9 +45,9 @@ pub(crate) fn _write_matrices(
 #[pyfunction]
 pub(crate) fn _write_reduced(
     structure: &Bound<'_, Structure>,
-    folder: PathBuf,
-    modes: usize,
-    force: bool,
+    #[pyo3(from_py_with = named::folder)] folder: PathBuf,
+    #[pyo3(from_py_with = named::modes)] modes: usize,
+    #[pyo3(from_py_with = named::force)] force: bool,
 ) -> PyResult<()> {
     if modes == 0 {
         return Err(value("modes = 0 is out of range: at least 1 mode"));

@@ -7,6 +7,7 @@ use pyo3::prelude::*;
 
 use crate::exchange::array::{Numbers, shaped};
 use crate::exchange::errors::{core, lacking, simulation, value};
+use crate::exchange::named::{self, Instance};
 use crate::exchange::options::representation_of;
 use crate::exchange::pickle::hash;
 use crate::exchange::work;
@@ -32,6 +33,8 @@ const LASTING: usize = 1 << 20;
 pub(crate) struct Joint {
     pub(crate) law: JointLaw,
 }
+
+impl Instance for Joint {}
 
 impl Joint {
     /// A property of the law at each displacement.
@@ -158,7 +161,7 @@ impl Joint {
     fn force_history<'py>(
         &self,
         u: &Bound<'py, PyAny>,
-        sliders: Option<usize>,
+        #[pyo3(from_py_with = named::sliders)] sliders: Option<usize>,
         grid: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let (py, displacement) = (u.py(), Numbers::vector("u", u)?);
@@ -181,7 +184,7 @@ impl Joint {
     fn discretise<'py>(
         &self,
         py: Python<'py>,
-        sliders: usize,
+        #[pyo3(from_py_with = named::sliders)] sliders: usize,
         grid: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyAny>)> {
         let iwan_core::Representation::Sliders { bins, grid } =

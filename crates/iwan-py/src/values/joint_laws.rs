@@ -9,6 +9,7 @@ use pyo3::types::IntoPyDict;
 
 use crate::exchange::array::{Numbers, array};
 use crate::exchange::errors::{core, value};
+use crate::exchange::named;
 use crate::exchange::pickle::{NewArguments, Remake};
 use crate::exchange::repr;
 use crate::values::joint_face::Joint;
@@ -57,7 +58,12 @@ impl FourParameter {
 impl FourParameter {
     #[new]
     #[pyo3(signature = (*, k_t, f_s, chi, beta))]
-    fn new(k_t: f64, f_s: f64, chi: f64, beta: f64) -> PyResult<PyClassInitializer<Self>> {
+    fn new(
+        #[pyo3(from_py_with = named::k_t)] k_t: f64,
+        #[pyo3(from_py_with = named::f_s)] f_s: f64,
+        #[pyo3(from_py_with = named::chi)] chi: f64,
+        #[pyo3(from_py_with = named::beta)] beta: f64,
+    ) -> PyResult<PyClassInitializer<Self>> {
         let law = iwan_core::FourParameter::new(k_t, f_s, chi, beta).map_err(core)?;
         Ok(Self::initializer(law, None))
     }
@@ -72,7 +78,13 @@ impl FourParameter {
     /// (2500.0, 15.0, 0.25)
     #[staticmethod]
     #[pyo3(signature = (*, r, chi, phi_max, s))]
-    fn from_density(py: Python<'_>, r: f64, chi: f64, phi_max: f64, s: f64) -> PyResult<Py<Self>> {
+    fn from_density(
+        py: Python<'_>,
+        #[pyo3(from_py_with = named::r)] r: f64,
+        #[pyo3(from_py_with = named::chi)] chi: f64,
+        #[pyo3(from_py_with = named::phi_max)] phi_max: f64,
+        #[pyo3(from_py_with = named::s)] s: f64,
+    ) -> PyResult<Py<Self>> {
         let law = iwan_core::FourParameter::from_density(r, chi, phi_max, s).map_err(core)?;
         Py::new(py, Self::initializer(law, Some([r, chi, phi_max, s])))
     }
@@ -183,7 +195,13 @@ impl FiveParameter {
 impl FiveParameter {
     #[new]
     #[pyo3(signature = (*, k_t, f_s, chi, beta, theta))]
-    fn new(k_t: f64, f_s: f64, chi: f64, beta: f64, theta: f64) -> PyResult<PyClassInitializer<Self>> {
+    fn new(
+        #[pyo3(from_py_with = named::k_t)] k_t: f64,
+        #[pyo3(from_py_with = named::f_s)] f_s: f64,
+        #[pyo3(from_py_with = named::chi)] chi: f64,
+        #[pyo3(from_py_with = named::beta)] beta: f64,
+        #[pyo3(from_py_with = named::theta)] theta: f64,
+    ) -> PyResult<PyClassInitializer<Self>> {
         let law = iwan_core::FiveParameter::new(k_t, f_s, chi, beta, theta).map_err(core)?;
         let base = Joint { law: JointLaw::FiveParameter(law) };
         Ok(PyClassInitializer::from(base).add_subclass(Self { law }))
@@ -217,7 +235,7 @@ impl FiveParameter {
     fn dissipation_in_decay<'py>(
         &self,
         u: &Bound<'py, PyAny>,
-        largest: Option<f64>,
+        #[pyo3(from_py_with = named::largest)] largest: Option<f64>,
     ) -> PyResult<Bound<'py, PyAny>> {
         self.in_decay(u, largest, Backbone::dissipation)
     }
@@ -231,7 +249,7 @@ impl FiveParameter {
     fn harmonic_stiffness_in_decay<'py>(
         &self,
         u: &Bound<'py, PyAny>,
-        largest: Option<f64>,
+        #[pyo3(from_py_with = named::largest)] largest: Option<f64>,
     ) -> PyResult<Bound<'py, PyAny>> {
         self.in_decay(u, largest, Backbone::harmonic_stiffness)
     }
@@ -263,7 +281,10 @@ pub(crate) struct Jenkins {
 impl Jenkins {
     #[new]
     #[pyo3(signature = (*, k_t, f_s))]
-    fn new(k_t: f64, f_s: f64) -> PyResult<PyClassInitializer<Self>> {
+    fn new(
+        #[pyo3(from_py_with = named::k_t)] k_t: f64,
+        #[pyo3(from_py_with = named::f_s)] f_s: f64,
+    ) -> PyResult<PyClassInitializer<Self>> {
         let law = JointLaw::Jenkins(iwan_core::Jenkins::new(k_t, f_s).map_err(core)?);
         Ok(PyClassInitializer::from(Joint { law }).add_subclass(Self { k_t, f_s }))
     }
@@ -301,7 +322,11 @@ pub(crate) struct Uniform {
 impl Uniform {
     #[new]
     #[pyo3(signature = (*, k_t, f_s, width))]
-    fn new(k_t: f64, f_s: f64, width: f64) -> PyResult<PyClassInitializer<Self>> {
+    fn new(
+        #[pyo3(from_py_with = named::k_t)] k_t: f64,
+        #[pyo3(from_py_with = named::f_s)] f_s: f64,
+        #[pyo3(from_py_with = named::width)] width: f64,
+    ) -> PyResult<PyClassInitializer<Self>> {
         let law = JointLaw::Uniform(iwan_core::Uniform::new(k_t, f_s, width).map_err(core)?);
         Ok(PyClassInitializer::from(Joint { law }).add_subclass(Self { k_t, f_s, width }))
     }
@@ -340,7 +365,7 @@ impl Tabulated {
     fn new(
         strength: &Bound<'_, PyAny>,
         density: &Bound<'_, PyAny>,
-        dirac: f64,
+        #[pyo3(from_py_with = named::dirac)] dirac: f64,
     ) -> PyResult<PyClassInitializer<Self>> {
         let strength = Numbers::vector("strength", strength)?;
         let table = Numbers::vector("density", density)?;

@@ -7,6 +7,7 @@ use pyo3::types::{IntoPyDict, PyDict, PyTuple};
 
 use crate::exchange::array::Numbers;
 use crate::exchange::errors::{core, value};
+use crate::exchange::named::{self, ByName, Instance};
 use crate::exchange::pickle::{NewArguments, hash};
 use crate::exchange::repr;
 use crate::values::joint_face::Joint;
@@ -39,6 +40,8 @@ pub(crate) struct Mode {
     curves: Option<Py<ModeCurves>>,
 }
 
+impl Instance for Mode {}
+
 #[pymethods]
 impl Mode {
     #[new]
@@ -48,19 +51,19 @@ impl Mode {
     ))]
     #[expect(clippy::too_many_arguments, reason = "keyword arguments of Python")]
     fn new(
-        frequency: Option<f64>,
-        joint: Option<&Bound<'_, Joint>>,
-        damping_ratio: f64,
-        name: &str,
-        shape_at_force: f64,
-        outputs: Option<&Bound<'_, PyDict>>,
-        allow_negative_residual: bool,
-        parts: Option<Vec<Bound<'_, Part>>>,
-        curves: Option<&Bound<'_, ModeCurves>>,
+        #[pyo3(from_py_with = named::frequency)] frequency: Option<f64>,
+        #[pyo3(from_py_with = named::joint)] joint: Option<Bound<'_, Joint>>,
+        #[pyo3(from_py_with = named::damping_ratio)] damping_ratio: f64,
+        #[pyo3(from_py_with = named::name)] name: &str,
+        #[pyo3(from_py_with = named::shape_at_force)] shape_at_force: f64,
+        #[pyo3(from_py_with = named::outputs)] outputs: Option<ByName<f64>>,
+        #[pyo3(from_py_with = named::allow_negative_residual)] allow_negative_residual: bool,
+        #[pyo3(from_py_with = named::parts)] parts: Option<Vec<Bound<'_, Part>>>,
+        #[pyo3(from_py_with = named::curves)] curves: Option<Bound<'_, ModeCurves>>,
     ) -> PyResult<Self> {
         let residual =
             if allow_negative_residual { ResidualStiffness::Any } else { ResidualStiffness::Positive };
-        let plain = match (frequency, curves) {
+        let plain = match (frequency, &curves) {
             (Some(frequency), None) => iwan_sim::Mode::new(name, frequency, None),
             (None, Some(curves)) => iwan_sim::Mode::by_curves(name, curves.get().curves.clone()),
             (Some(_), Some(_)) => {
@@ -69,7 +72,7 @@ impl Mode {
             (None, None) => return Err(value("frequency is missing: give frequency= in Hz, or curves=")),
         };
         let parts = parts.unwrap_or_default();
-        let law = joint.map(|joint| joint.get().law.clone());
+        let law = joint.as_ref().map(|joint| joint.get().law.clone());
         let mode = iwan_sim::Mode {
             joint: law,
             parts: parts.iter().map(|part| part.get().part).collect(),
@@ -82,9 +85,9 @@ impl Mode {
         mode.oscillator().map_err(core)?;
         Ok(Self {
             mode,
-            joint: joint.map(|joint| joint.clone().into_any().unbind()),
+            joint: joint.map(|joint| joint.into_any().unbind()),
             parts: parts.into_iter().map(|part| part.into_any().unbind()).collect(),
-            curves: curves.map(|curves| curves.clone().unbind()),
+            curves: curves.map(Bound::unbind),
         })
     }
 
@@ -233,13 +236,12 @@ impl Mode {
 }
 
 /// Observed points with names; their shapes must be finite.
-fn points(outputs: &Bound<'_, PyDict>) -> PyResult<Vec<Point>> {
-    let point = |(name, shape): (Bound<'_, PyAny>, Bound<'_, PyAny>)| {
-        let (name, shape): (String, f64) = (name.extract()?, shape.extract()?);
+fn points(ByName(outputs): ByName<f64>) -> PyResult<Vec<Point>> {
+    let point = |(name, shape): (String, f64)| {
         if !shape.is_finite() {
             return Err(value(format!("outputs['{name}'] = {shape} must be a finite number")));
         }
         Ok(Point { name, shape })
     };
-    outputs.iter().map(point).collect()
+    outputs.into_iter().map(point).collect()
 }

@@ -7,6 +7,7 @@ use pyo3::types::{IntoPyDict, PyDict};
 
 use crate::exchange::array::{Numbers, array};
 use crate::exchange::errors::core;
+use crate::exchange::named::{self, Instance};
 use crate::exchange::pickle::{NewArguments, hash};
 use crate::exchange::repr;
 
@@ -29,6 +30,8 @@ pub(crate) struct ModeCurves {
     pub(crate) curves: Curves,
 }
 
+impl Instance for ModeCurves {}
+
 #[pymethods]
 impl ModeCurves {
     #[new]
@@ -37,7 +40,7 @@ impl ModeCurves {
         amplitude: &Bound<'_, PyAny>,
         frequency: &Bound<'_, PyAny>,
         damping_ratio: &Bound<'_, PyAny>,
-        extrapolate: bool,
+        #[pyo3(from_py_with = named::extrapolate)] extrapolate: bool,
     ) -> PyResult<Self> {
         let amplitude = Numbers::vector("amplitude", amplitude)?;
         let frequency = Numbers::vector("frequency", frequency)?;

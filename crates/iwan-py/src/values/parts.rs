@@ -6,6 +6,7 @@ use pyo3::types::{IntoPyDict, PyDict};
 
 use crate::exchange::array::Numbers;
 use crate::exchange::errors::{core, value};
+use crate::exchange::named::{self, Instance};
 use crate::exchange::pickle::{NewArguments, hash};
 use crate::exchange::repr;
 
@@ -18,6 +19,8 @@ use crate::exchange::repr;
 pub(crate) struct Part {
     pub(crate) part: CorePart,
 }
+
+impl Instance for Part {}
 
 impl Part {
     /// Name of the Python class, and the arguments from which it makes this part.
@@ -55,7 +58,11 @@ impl Part {
     /// >>> round(iwan.Spring(k=200.0, exponent=3).harmonic_stiffness(0.1, frequency=1.0), 12)  # 3/4 k a^2
     /// 1.5
     #[pyo3(signature = (a, *, frequency))]
-    fn harmonic_stiffness<'py>(&self, a: &Bound<'py, PyAny>, frequency: f64) -> PyResult<Bound<'py, PyAny>> {
+    fn harmonic_stiffness<'py>(
+        &self,
+        a: &Bound<'py, PyAny>,
+        #[pyo3(from_py_with = named::frequency)] frequency: f64,
+    ) -> PyResult<Bound<'py, PyAny>> {
         self.each(a, frequency, CorePart::harmonic_stiffness)
     }
 
@@ -64,7 +71,11 @@ impl Part {
     /// >>> iwan.Coulomb(force=2.0).dissipation([0.1, 0.2], frequency=1.0)  # 4 F a
     /// array([0.8, 1.6])
     #[pyo3(signature = (a, *, frequency))]
-    fn dissipation<'py>(&self, a: &Bound<'py, PyAny>, frequency: f64) -> PyResult<Bound<'py, PyAny>> {
+    fn dissipation<'py>(
+        &self,
+        a: &Bound<'py, PyAny>,
+        #[pyo3(from_py_with = named::frequency)] frequency: f64,
+    ) -> PyResult<Bound<'py, PyAny>> {
         self.each(a, frequency, CorePart::dissipation)
     }
 
@@ -110,7 +121,10 @@ pub(crate) struct PowerDamping {
 impl PowerDamping {
     #[new]
     #[pyo3(signature = (*, c, n))]
-    fn new(c: f64, n: f64) -> PyResult<PyClassInitializer<Self>> {
+    fn new(
+        #[pyo3(from_py_with = named::c)] c: f64,
+        #[pyo3(from_py_with = named::n)] n: f64,
+    ) -> PyResult<PyClassInitializer<Self>> {
         let part = iwan_core::PowerDamping::new(c, n).map_err(core)?.into();
         Ok(PyClassInitializer::from(Part { part }).add_subclass(Self { c, n }))
     }
@@ -136,7 +150,7 @@ pub(crate) struct Coulomb {
 impl Coulomb {
     #[new]
     #[pyo3(signature = (*, force))]
-    fn new(force: f64) -> PyResult<PyClassInitializer<Self>> {
+    fn new(#[pyo3(from_py_with = named::force)] force: f64) -> PyResult<PyClassInitializer<Self>> {
         let part = iwan_core::Coulomb::new(force).map_err(core)?.into();
         Ok(PyClassInitializer::from(Part { part }).add_subclass(Self { force }))
     }
@@ -165,7 +179,10 @@ pub(crate) struct Spring {
 impl Spring {
     #[new]
     #[pyo3(signature = (*, k, exponent))]
-    fn new(k: f64, exponent: f64) -> PyResult<PyClassInitializer<Self>> {
+    fn new(
+        #[pyo3(from_py_with = named::k)] k: f64,
+        #[pyo3(from_py_with = named::exponent)] exponent: f64,
+    ) -> PyResult<PyClassInitializer<Self>> {
         let part = iwan_core::PowerSpring::new(k, exponent).map_err(core)?.into();
         Ok(PyClassInitializer::from(Part { part }).add_subclass(Self { k, exponent }))
     }
@@ -193,7 +210,10 @@ pub(crate) struct Pinning {
 impl Pinning {
     #[new]
     #[pyo3(signature = (*, k, gap))]
-    fn new(k: f64, gap: f64) -> PyResult<PyClassInitializer<Self>> {
+    fn new(
+        #[pyo3(from_py_with = named::k)] k: f64,
+        #[pyo3(from_py_with = named::gap)] gap: f64,
+    ) -> PyResult<PyClassInitializer<Self>> {
         let part = iwan_core::Pinning::new(k, gap).map_err(core)?.into();
         Ok(PyClassInitializer::from(Part { part }).add_subclass(Self { k, gap }))
     }

@@ -5,6 +5,7 @@ use pyo3::types::{IntoPyDict, PyDict};
 
 use crate::exchange::array::{Numbers, array};
 use crate::exchange::errors::core;
+use crate::exchange::named;
 use crate::exchange::pickle::{NewArguments, hash};
 use crate::exchange::repr;
 
@@ -113,7 +114,10 @@ pub(crate) struct Haversine;
 impl Haversine {
     #[new]
     #[pyo3(signature = (*, amplitude, duration))]
-    fn new(amplitude: f64, duration: f64) -> PyResult<PyClassInitializer<Self>> {
+    fn new(
+        #[pyo3(from_py_with = named::amplitude)] amplitude: f64,
+        #[pyo3(from_py_with = named::duration)] duration: f64,
+    ) -> PyResult<PyClassInitializer<Self>> {
         let force = Force::Formula(iwan_core::Pulse::Haversine { amplitude, duration });
         let arguments = vec![("amplitude", amplitude), ("duration", duration)];
         Ok(Pulse::checked("Haversine", arguments, force)?.add_subclass(Self))
@@ -132,7 +136,10 @@ pub(crate) struct HalfSine;
 impl HalfSine {
     #[new]
     #[pyo3(signature = (*, amplitude, duration))]
-    fn new(amplitude: f64, duration: f64) -> PyResult<PyClassInitializer<Self>> {
+    fn new(
+        #[pyo3(from_py_with = named::amplitude)] amplitude: f64,
+        #[pyo3(from_py_with = named::duration)] duration: f64,
+    ) -> PyResult<PyClassInitializer<Self>> {
         let force = Force::Formula(iwan_core::Pulse::HalfSine { amplitude, duration });
         let arguments = vec![("amplitude", amplitude), ("duration", duration)];
         Ok(Pulse::checked("HalfSine", arguments, force)?.add_subclass(Self))
@@ -151,7 +158,10 @@ pub(crate) struct Step;
 impl Step {
     #[new]
     #[pyo3(signature = (*, amplitude, duration = f64::INFINITY))]
-    fn new(amplitude: f64, duration: f64) -> PyResult<PyClassInitializer<Self>> {
+    fn new(
+        #[pyo3(from_py_with = named::amplitude)] amplitude: f64,
+        #[pyo3(from_py_with = named::duration)] duration: f64,
+    ) -> PyResult<PyClassInitializer<Self>> {
         let force = Force::Formula(iwan_core::Pulse::Step { amplitude, duration });
         let arguments = vec![("amplitude", amplitude), ("duration", duration)];
         Ok(Pulse::checked("Step", arguments, force)?.add_subclass(Self))
@@ -170,7 +180,11 @@ pub(crate) struct Sine;
 impl Sine {
     #[new]
     #[pyo3(signature = (*, amplitude, frequency, duration = f64::INFINITY))]
-    fn new(amplitude: f64, frequency: f64, duration: f64) -> PyResult<PyClassInitializer<Self>> {
+    fn new(
+        #[pyo3(from_py_with = named::amplitude)] amplitude: f64,
+        #[pyo3(from_py_with = named::frequency)] frequency: f64,
+        #[pyo3(from_py_with = named::duration)] duration: f64,
+    ) -> PyResult<PyClassInitializer<Self>> {
         let force = Force::Formula(iwan_core::Pulse::Sine { amplitude, frequency, duration });
         let arguments = vec![("amplitude", amplitude), ("frequency", frequency), ("duration", duration)];
         Ok(Pulse::checked("Sine", arguments, force)?.add_subclass(Self))
@@ -190,7 +204,10 @@ pub(crate) struct Sampled;
 impl Sampled {
     #[new]
     #[pyo3(signature = (*, samples, dt))]
-    fn new(samples: &Bound<'_, PyAny>, dt: f64) -> PyResult<PyClassInitializer<Self>> {
+    fn new(
+        samples: &Bound<'_, PyAny>,
+        #[pyo3(from_py_with = named::dt)] dt: f64,
+    ) -> PyResult<PyClassInitializer<Self>> {
         let force = Force::Sampled { dt, samples: Numbers::vector("samples", samples)? };
         Ok(Pulse::checked("Sampled", vec![("dt", dt)], force)?.add_subclass(Self))
     }
