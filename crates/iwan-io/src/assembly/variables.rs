@@ -195,10 +195,11 @@ impl Chooser<'_> {
         };
         let start = scalar(&["t0", "start"]).map_or(Ok(0.0), time)?;
         let interval = |v: &Variable| {
-            let hertz = match units::unit_of_times(&v.name).to_lowercase().as_str() {
-                "" | "hz" | "1/s" => 1.0,
-                "khz" => 1e3,
-                "mhz" => 1e6,
+            // Small and capital letters tell milli from mega.
+            let hertz = match units::unit_of_times(&v.name).as_str() {
+                "" | "Hz" | "hz" | "HZ" | "1/s" => 1.0,
+                "kHz" | "khz" | "KHz" | "KHZ" => 1e3,
+                "MHz" | "MHZ" => 1e6,
                 // The rate that the user gave goes before this one.
                 _ if self.options.rate.is_some() => 1.0,
                 unit => {
@@ -368,13 +369,13 @@ mod tests {
     /// Times in furlongs, an interval in fortnights and a rate in kHz were read as seconds and Hz.
     #[test]
     fn what_is_no_unit_of_time_is_refused() {
-        for name in ["Time [furlong]", "Time (furlong)", "dt [fortnight]", "fs [rpm]"] {
+        for name in ["Time [furlong]", "Time (furlong)", "dt [fortnight]", "fs [rpm]", "fs [mHz]"] {
             let mut variable = array(name, if name.starts_with('T') { 9 } else { 1 }, 1);
             variable.values[0] = if name.starts_with('T') { 0.0 } else { 2.0 };
             let read = choose(vec![variable, array("a", 1, 9)], &ReadOptions::default());
             let error = read.err().map(|error| error.to_string()).unwrap_or_default();
             assert!(
-                error.contains("furlong") || error.contains("fortnight") || error.contains("rpm"),
+                ["furlong", "fortnight", "rpm", "mHz"].iter().any(|unit| error.contains(unit)),
                 "{name}: {error}"
             );
         }
