@@ -5,8 +5,8 @@ use std::io::ErrorKind;
 
 use iwan_input::InputError;
 use iwan_io::ReadError;
-use iwan_machine::Kind;
 use iwan_machine::memory::Short;
+use iwan_machine::{Kind, lacking};
 use serde::Serialize;
 
 use crate::shown;
@@ -120,9 +120,12 @@ impl Failure {
         self
     }
 
-    /// A record that could not be read: bad input, except where the machine lacks memory.
+    /// A record that could not be read: bad input, except where the machine lacks memory or handles of files.
     pub(crate) fn read(place: &str, error: &ReadError) -> Self {
         match error {
+            ReadError::Io { source, .. } if lacking(source).is_some() => {
+                Self::computation(error.to_string().replacen("; ", "\nremedy: ", 1)).of(Kind::Unreadable)
+            }
             ReadError::Io { source, .. } if source.kind() == ErrorKind::OutOfMemory => {
                 Self::lacking(&format!("{place}: {source}"))
             }
@@ -154,7 +157,7 @@ impl Failure {
 
     /// The failure as one JSON object.
     pub(crate) fn json(&self) -> String {
-        let shown = self.to_string();
+        let shown = shown::brief(&self.to_string());
         let text = shown.strip_prefix("error: ").unwrap_or(&shown);
         let (message, remedy) =
             text.split_once("\nremedy: ").or_else(|| text.split_once("; ")).unwrap_or((text, ""));

@@ -5,7 +5,7 @@ use std::io::Write;
 use iwan_machine::Kind;
 
 use crate::failure::Failure;
-use crate::shown::harmless;
+use crate::shown::{brief, harmless};
 
 /// Prints a result to stdout. It is no failure where the reader has closed the pipe (`iwan ... | head`).
 pub(crate) fn result(text: &str) -> Result<(), Failure> {
@@ -21,5 +21,5 @@ pub(crate) fn result(text: &str) -> Result<(), Failure> {
 
 /// Prints a line to stderr. Where stderr is closed, the message is lost.
 pub(crate) fn message(text: &str) {
-    let _ = writeln!(std::io::stderr().lock(), "{}", harmless(text));
+    let _ = writeln!(std::io::stderr().lock(), "{}", harmless(&brief(text)));
 }

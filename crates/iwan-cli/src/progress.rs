@@ -44,6 +44,9 @@ pub(crate) fn staged(folder: &Path) {
 /// From now on work notices Ctrl-C between two steps, so that no half result is left. Work that does not check in time, such as the writing of a long
 /// file, ends with the process, and the [`staged`] folder is removed.
 pub(crate) fn catch_interrupts() {
+    // A file that grows beyond `ulimit -f` must be an error of the write, which leaves nothing, and not the end of the process.
+    #[cfg(unix)]
+    let _ = signal_hook::flag::register(signal_hook::consts::SIGXFSZ, std::sync::Arc::default());
     // This fails only where a handler is set already, or the system has no signals or no thread: then Ctrl-C kills the process as usual.
     let _ = ctrlc::set_handler(|| {
         INTERRUPTED.store(true, Ordering::Relaxed);

@@ -15,6 +15,7 @@ mod errors;
 mod fit;
 mod help;
 mod hostile;
+mod limits;
 mod modal;
 mod modal_input;
 mod records;

@@ -139,7 +139,7 @@ fn files_that_do_not_belong_together_are_refused() {
     );
     std::fs::write(place.path().join("volts.csv"), text.replacen("a2 [m/s^2]", "a2 [V]", 1)).unwrap();
     refused(place.path(), "volts.csv --at a1", &["volts.csv", "channel a2", "voltage"]);
-    refused(place.path(), "h1.csv --at a1 --level 2 --band 60:480", &["--level 2", "1 levels"]);
+    refused(place.path(), "h1.csv --at a1 --level 2 --band 60:480", &["--level 2", "one level"]);
     refused(place.path(), "h1.csv --at a1 --band 60:48000", &["48000"]);
 }
 

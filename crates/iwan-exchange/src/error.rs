@@ -1,6 +1,6 @@
 //! Why a file of matrices could not be read: file, place, what stands there, what is allowed, what helps.
 
-use iwan_machine::Kind;
+use iwan_machine::{Kind, lacking};
 use std::path::PathBuf;
 
 /// Why a file of matrices could not be read.
@@ -8,7 +8,7 @@ use std::path::PathBuf;
 #[non_exhaustive]
 pub enum ExchangeError {
     /// The operating system refused the file.
-    #[error("{}: cannot be read: {source}; check the path and the permissions", .file.display())]
+    #[error("{}: cannot be read: {source}; {}", .file.display(), lacking(source).unwrap_or("check the path and the permissions"))]
     Io {
         /// File.
         file: PathBuf,

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
-use iwan_machine::{Kind, is_harmful};
+use iwan_machine::{Kind, is_harmful, lacking};
 
 use crate::error::InputError;
 
@@ -40,7 +40,8 @@ impl InputText {
         let fail = |what: String, remedy: &str| InputError::new(format!("{name}: {what}"), remedy);
         let start = format!("`iwan scenario {example}` prints a start");
         let unreadable = |e: std::io::Error| {
-            fail(format!("cannot be read: {e}"), &format!("check the path; {start}")).of(Kind::Unreadable)
+            let remedy = lacking(&e).map_or_else(|| format!("check the path; {start}"), str::to_owned);
+            fail(format!("cannot be read: {e}"), &remedy).of(Kind::Unreadable)
         };
         let give = format!("give the {word} file (.toml)");
         let meta = std::fs::metadata(path).map_err(unreadable)?;

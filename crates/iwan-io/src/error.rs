@@ -1,7 +1,7 @@
 //! Why a file could not be read: the place, what was found there, what is allowed, what helps.
 
 use crate::record::RecordError;
-use iwan_machine::Kind;
+use iwan_machine::{Kind, lacking};
 use std::path::PathBuf;
 
 /// Why a file could not be read.
@@ -9,7 +9,7 @@ use std::path::PathBuf;
 #[non_exhaustive]
 pub enum ReadError {
     /// The operating system refused the file.
-    #[error("{}: cannot be read: {source}; check the path and the permissions", .file.display())]
+    #[error("{}: cannot be read: {source}; {}", .file.display(), lacking(source).unwrap_or("check the path and the permissions"))]
     Io {
         /// File.
         file: PathBuf,
@@ -196,8 +196,8 @@ pub enum ReadError {
         /// Why not.
         reason: &'static str,
     },
-    /// The rate given is not a positive finite number.
-    #[error("{}: the rate is {value} Hz; it must be finite and greater than 0: give --rate HZ", .file.display())]
+    /// The rate given is no sampling rate of a measurement.
+    #[error("{}: the rate is {value:?} Hz; it must lie between 1e-9 and 1e15 Hz: give --rate HZ", .file.display())]
     Rate {
         /// File.
         file: PathBuf,

@@ -75,7 +75,7 @@ pub enum Warning {
         duration: f64,
     },
     /// The sampling rate given by the user differs from the file's by more than 1e-3 of it.
-    #[error("the rate given, {used} Hz, was used in place of the file's, {stored} Hz")]
+    #[error("the rate given, {used:?} Hz, was used in place of the file's, {stored:?} Hz")]
     RateReplaced {
         /// Rate of the file in Hz.
         stored: f64,

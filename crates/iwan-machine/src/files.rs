@@ -22,6 +22,40 @@ const SILENCE: Duration = Duration::from_secs(30);
 /// Time between two attempts to read an empty pipe.
 const NAP: Duration = Duration::from_millis(10);
 
+/// What helps where the machine lacks something that a file needs: handles of open files, or space on the disk; none where it lacks nothing.
+///
+/// ```
+/// use std::io::{Error, ErrorKind};
+/// assert!(iwan_machine::lacking(&Error::from(ErrorKind::StorageFull)).is_some_and(|remedy| remedy.contains("space")));
+/// assert!(iwan_machine::lacking(&Error::from(ErrorKind::NotFound)).is_none());
+/// ```
+#[must_use]
+pub fn lacking(error: &io::Error) -> Option<&'static str> {
+    match error.kind() {
+        ErrorKind::StorageFull | ErrorKind::QuotaExceeded => {
+            Some("free some space, or choose a folder on another disk")
+        }
+        ErrorKind::FileTooLarge if error.raw_os_error().is_some() => {
+            Some("raise the limit on the length of files (`ulimit -f`), or write less")
+        }
+        _ if is_without_handle(error) => {
+            Some("raise the limit on open files (`ulimit -n`), or close other programs")
+        }
+        _ => None,
+    }
+}
+
+#[cfg(unix)]
+fn is_without_handle(error: &io::Error) -> bool {
+    use rustix::io::Errno;
+    Errno::from_io_error(error).is_some_and(|number| matches!(number, Errno::MFILE | Errno::NFILE))
+}
+
+#[cfg(not(unix))]
+fn is_without_handle(_: &io::Error) -> bool {
+    false
+}
+
 /// Reads a whole file, or all that is written into a pipe.
 ///
 /// # Errors

@@ -27,6 +27,6 @@ mod files;
 // Checkpoints: parts of long work are kept on the disk as they are done.
 pub mod checkpoint;
 
-pub use files::{read_file, read_file_within};
+pub use files::{lacking, read_file, read_file_within};
 pub use kinds::Kind;
 pub use names::{is_harmful, listed, plain, shortened};

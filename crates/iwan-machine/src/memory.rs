@@ -133,9 +133,13 @@ const ARENA: u64 = 66 << 20;
 pub fn free() -> Free {
     let mut system = System::new();
     system.refresh_memory_specifics(MemoryRefreshKind::nothing().with_ram());
-    let machine = system.available_memory();
-    let machine =
-        system.cgroup_limits().map_or(machine, |group| machine.min(left(group.total_memory, group.rss)));
+    // Without a handle for one more file nothing can be learnt, and nothing is refused for want of memory.
+    let machine = match system.total_memory() {
+        0 => u64::MAX,
+        _ => system.available_memory(),
+    };
+    let group = (machine != u64::MAX).then(|| system.cgroup_limits()).flatten();
+    let machine = group.map_or(machine, |group| machine.min(left(group.total_memory, group.rss)));
     let mut free = Free { bytes: machine, bound: Bound::Machine };
     let (limit, address_space) = (limit(), address_space());
     if limit == u64::MAX && address_space == u64::MAX {

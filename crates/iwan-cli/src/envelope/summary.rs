@@ -5,6 +5,7 @@ use std::path::Path;
 
 use iwan_ident::curves::ForceAxis;
 use iwan_ident::signal::{Envelope, Spread};
+use iwan_machine::shortened;
 use serde::Serialize;
 
 use crate::page::numbers::short;
@@ -33,6 +34,9 @@ pub(crate) struct EnvelopeSummary {
     /// What the reader of the record noticed; these warnings are given before anything is computed.
     pub(crate) warnings: Warnings,
 }
+
+/// Characters of a channel's name that a line of text shows.
+const NAME: usize = 60;
 
 /// A record in brief.
 #[derive(Debug, Clone, Serialize)]
@@ -150,7 +154,8 @@ impl RecordSummary {
     pub(crate) fn text(&self) -> String {
         let unit = if self.unit.is_empty() { String::new() } else { format!(" in {}", self.unit) };
         let (file, samples, rate) = (&self.file, self.samples, short(self.rate));
-        let channels = match self.channels.as_slice() {
+        let names: Vec<String> = self.channels.iter().map(|name| shortened(name, NAME)).collect();
+        let channels = match names.as_slice() {
             [first, second, .., last] if self.channels.len() > MOST_NAMED => {
                 format!("{} channels: {first}, {second}, …, {last}", self.channels.len())
             }

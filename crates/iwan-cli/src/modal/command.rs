@@ -29,10 +29,8 @@ pub(crate) fn run(args: &ModalArgs) -> Result<(), Failure> {
     let mut session = Session::open(args.place(), &args.common, files)?;
     let levels = analyse(&test, args)?;
     let chosen = args.level.get() - 1;
-    let Some(level) = levels.get(chosen) else {
-        let message = format!("--level {}: there are {} levels of force", args.level, levels.len());
-        return Err(Failure::input(message, "choose one of them, the softest is 1"));
-    };
+    // Whether there is this level has been asked before the analysis.
+    let level = &levels[chosen];
     let decay = hardest(&test, level.fit.band);
     let summary = ModalSummary::new(&test, &levels, chosen, decay.as_ref(), args);
     session.columns(RESPONSES, &frf_columns(level), Format::Csv)?;

@@ -13,7 +13,7 @@ use iwan_modal::modes::Scale;
 
 use super::analysis::Level;
 use super::geometry::Element;
-use super::hits::Test;
+use super::hits::{COLUMNS, Test};
 
 /// Columns of the frequency responses in the band: the frequency (Hz), then for each function the real and imaginary part, those of the fit, and the
 /// coherence.
@@ -39,10 +39,11 @@ pub(super) fn frf_columns(level: &Level) -> Vec<(String, Vec<f64>)> {
 
 /// Columns of the shapes, as `--shapes` reads them: one row for each mode.
 pub(super) fn shape_columns(fit: &ModalFit) -> Vec<(String, Vec<f64>)> {
-    let mut columns = vec![
-        ("frequency".to_string(), fit.modes.iter().map(|m| m.frequency).collect()),
-        ("damping_ratio".to_string(), fit.modes.iter().map(|m| m.damping_ratio).collect()),
+    let own = [
+        fit.modes.iter().map(|m| m.frequency).collect(),
+        fit.modes.iter().map(|m| m.damping_ratio).collect(),
     ];
+    let mut columns: Vec<(String, Vec<f64>)> = COLUMNS.map(String::from).into_iter().zip(own).collect();
     for (i, name) in fit.names.iter().enumerate() {
         columns.push((name.clone(), fit.modes.iter().map(|m| m.real_shape[i]).collect()));
     }

@@ -1,12 +1,13 @@
 //! All files of a test together: one kind of motion for all sensors, the table's entries, hits that are left out.
 
+use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 
 use iwan_input::{ModalTable, Role};
 use iwan_io::{Quantity, UffFunction};
 use iwan_machine::threads::in_parallel;
 use iwan_machine::{listed, memory};
-use iwan_modal::measure::{Channel, Motion as Sensed};
+use iwan_modal::measure::{Channel, Motion as Sensed, levels};
 
 use super::args::ModalArgs;
 use super::file_of_test::{FileOfTest, JudgedHit};
@@ -14,6 +15,9 @@ use super::geometry::{Geometry, is_universal};
 use crate::failure::Failure;
 use crate::records::Motion;
 use crate::shown;
+
+/// Columns of the table of shapes beside those of the channels.
+pub(super) const COLUMNS: [&str; 2] = ["frequency", "damping_ratio"];
 
 /// The contents of all files.
 pub(super) struct Test {
@@ -64,8 +68,46 @@ impl Test {
             return Err(Failure::input(message, "give either of them"));
         }
         test.leave_out(&args.leave_out)?;
+        test.check_level(args.level)?;
+        test.check_names()?;
         test.ask()?;
         Ok(test)
+    }
+
+    /// Refuses a level of force that the hits do not have.
+    fn check_level(&self, level: NonZeroUsize) -> Result<(), Failure> {
+        let used = self.hits.iter().filter(|hit| !hit.left_out);
+        let peaks: Vec<f64> = used.map(|hit| hit.hit.peak_force()).collect();
+        let count = levels(&peaks).len().max(1);
+        if level.get() <= count {
+            return Ok(());
+        }
+        let message = format!(
+            "--level {level}: there {} of force",
+            if count == 1 { "is one level".into() } else { format!("are {count} levels") }
+        );
+        Err(Failure::input(message, "choose one of them, the softest is 1"))
+    }
+
+    /// Refuses channels and points that are called as columns of the table of shapes are.
+    fn check_names(&self) -> Result<(), Failure> {
+        let of_hits = self.hits.iter().flat_map(|hit| &hit.hit.responses);
+        let of_decays = self.decays.iter().flat_map(|decay| &decay.2);
+        let named =
+            of_hits.chain(of_decays).map(|channel| (channel.name.as_str(), channel.freedom.point.as_str()));
+        let Some((channel, point)) =
+            named.into_iter().find(|(channel, point)| COLUMNS.contains(channel) || COLUMNS.contains(point))
+        else {
+            return Ok(());
+        };
+        let message = format!(
+            "channel \"{channel}\" at point \"{point}\": {} are columns of the table of shapes",
+            COLUMNS.join(" and ")
+        );
+        Err(Failure::input(
+            message,
+            "call it otherwise in the file, or leave it out by role = \"none\" in the table of --points",
+        ))
     }
 
     /// Asks for the memory of the transforms of all hits and of what is drawn of them.

@@ -52,7 +52,7 @@ pub(crate) struct RecordArgs {
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub(crate) shapes: Option<PathBuf>,
     /// Modal mass behind the record, for records that are not mass-normalised: q = sqrt(mass) x [default: 1]
-    #[arg(long, value_name = "MASS", value_parser = positive, conflicts_with = "shapes")]
+    #[arg(long, value_name = "MASS", value_parser = mass, conflicts_with = "shapes")]
     pub(crate) mass: Option<f64>,
     /// Force on the axis of dissipation against force: of the joint alone, or the whole modal force
     #[arg(long, value_enum, default_value_t = Axis::Modal)]
@@ -116,6 +116,12 @@ fn hits(text: &str) -> Result<Hits, String> {
         (_, Ok(number)) if number > 0 => Ok(Hits::One(number - 1)),
         _ => Err("must be all, first, or a number counted from 1".into()),
     }
+}
+
+/// Reads a modal mass. Outside the range it is a slip of the hand, with which squares of amplitudes leave the range of numbers.
+fn mass(text: &str) -> Result<f64, String> {
+    let wrong = || "must lie between 1e-30 and 1e30".to_string();
+    finite(text).ok().filter(|mass| (1e-30..=1e30).contains(mass)).ok_or_else(wrong)
 }
 
 /// Reads a unit of time.

@@ -238,8 +238,11 @@ impl Session {
         heard.all("warning", summary.warnings());
         console.say(&format!("results: {}", shown::path(&folder)));
         console.say(&format!("{}: {}", S::SHOWN, shown::path(&folder.join(PAGE))));
-        let printed =
-            if self.json { summary::printed(summary, &self.files, &folder) } else { summary.text() };
+        let printed = if self.json {
+            summary::printed(summary, &self.files, &folder)
+        } else {
+            shown::without_long_numbers(&summary.text()).into_owned()
+        };
         output::result(&printed)?;
         match self.doubts.len() + summary.warnings().len() {
             n if self.strict && n > 0 => Err(Failure::computation(format!(

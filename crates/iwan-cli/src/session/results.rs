@@ -58,6 +58,7 @@ impl Results {
                 "choose another folder with --out, or overwrite with --force",
             )
             .of(Kind::Exists),
+            other if other.is_of_machine() => failed(&other),
             other => Failure::input(other.to_string(), "choose a folder you may write to with --out DIR")
                 .of(other.kind()),
         };
@@ -125,7 +126,7 @@ impl Results {
 }
 
 fn failed(error: &WriteError) -> Failure {
-    Failure::computation(error.to_string()).of(error.kind())
+    Failure::computation(error.to_string().replacen("; ", "\nremedy: ", 1)).of(error.kind())
 }
 
 /// The folder `default`, or the first of `default-2`, `default-3`, … that does not exist.

@@ -5,6 +5,8 @@ use std::ops::Deref;
 
 use serde::Serialize;
 
+use crate::shown::brief;
+
 /// Warnings of one kind that are given one by one: who has read as many learns nothing from more. A judgement.
 const GIVEN: usize = 5;
 /// Kinds that are told apart. The program has fewer kinds of warnings; names without quotes in them may make more of one.
@@ -25,7 +27,7 @@ impl Warnings {
 impl FromIterator<String> for Warnings {
     fn from_iter<I: IntoIterator<Item = String>>(all: I) -> Self {
         let (mut places, mut kinds, mut others) = (HashMap::new(), Vec::<(Vec<String>, usize)>::new(), 0);
-        for text in all {
+        for text in all.into_iter().map(|text| brief(&text)) {
             let kind = kind(&text);
             let known = kinds.len();
             let Some(at) = places.get(&kind).copied().or_else(|| (known < KINDS).then_some(known)) else {

@@ -4,11 +4,17 @@ use std::collections::BTreeMap;
 
 use iwan_io::{NumpyArray, numpy_members};
 
+use iwan_machine::shortened;
+
 use super::npy::{array, dense};
 use super::translated;
 use crate::error::ExchangeError;
 use crate::matrix::{Entry, Matrix, Stored};
 use crate::source::{MOST_ROWS, Source};
+
+/// Arrays of which `scipy.sparse.save_npz` makes a matrix.
+const SPARSE: [&str; 9] =
+    ["format", "shape", "data", "indices", "indptr", "row", "col", "coords", "_is_array"];
 
 /// All members of the archive: name and bytes.
 pub(crate) fn members(source: &Source) -> Result<BTreeMap<String, Vec<u8>>, ExchangeError> {
@@ -73,6 +79,14 @@ pub(crate) fn parse(source: &Source) -> Result<Vec<Matrix>, ExchangeError> {
     }
     if !parts.arrays.contains_key("format") {
         return parts.arrays.iter().map(|(name, array)| dense(source, array, (*name).into())).collect();
+    }
+    if let Some(other) = parts.arrays.keys().find(|name| !SPARSE.contains(*name)) {
+        let found = format!("a sparse matrix and beside it the array '{}'", shortened(other, 60));
+        return Err(source.unsupported(
+            "the archive",
+            found,
+            "save each matrix in a file of its own with scipy.sparse.save_npz",
+        ));
     }
     let format = parts.get("format")?.letters().unwrap_or_default();
     let shape = [0, 1].map(|at| parts.index("shape", at, MOST_ROWS as usize + 1));

@@ -1,6 +1,6 @@
 //! Errors and warnings of the readers of mesh files.
 
-use iwan_machine::Kind;
+use iwan_machine::{Kind, lacking};
 use std::path::PathBuf;
 
 /// Error in a mesh file: the file, the place, what the reader found, what is allowed, and a remedy.
@@ -8,7 +8,7 @@ use std::path::PathBuf;
 #[non_exhaustive]
 pub enum MeshError {
     /// The operating system refused the file.
-    #[error("{}: cannot be read: {source}; check the path and the permissions", .file.display())]
+    #[error("{}: cannot be read: {source}; {}", .file.display(), lacking(source).unwrap_or("check the path and the permissions"))]
     Io {
         /// File.
         file: PathBuf,
@@ -122,6 +122,16 @@ pub enum MeshWarning {
         missing: u64,
         /// Number of members of the range that the file has.
         found: usize,
+    },
+    /// A set without a member.
+    #[error("{place}: the {word} set {set} is empty")]
+    EmptySet {
+        /// Line of the set.
+        place: String,
+        /// Nodes or elements.
+        word: &'static str,
+        /// Name of the set.
+        set: String,
     },
     /// The numbers of an instance were shifted because another instance has the same ones.
     #[error("nodes and elements of instance {instance} are numbered from {shift} on: its node 1 is {}", .shift + 1)]

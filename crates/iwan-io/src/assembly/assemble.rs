@@ -63,11 +63,20 @@ fn doubt(times: &[f64]) -> Option<Warning> {
     unlike.then_some(Warning::TimeUnitDoubtful { rate, duration })
 }
 
+/// Rates of measurements, Hz: a sample in 30 years, and a period of light. A rate outside is a slip of the hand, which gave results in
+/// numbers of three hundred digits.
+const RATES: std::ops::RangeInclusive<f64> = 1e-9..=1e15;
+
+fn check_rate(source: &FileBytes, options: &ReadOptions) -> Result<(), ReadError> {
+    match options.rate.filter(|rate| !RATES.contains(rate)) {
+        Some(value) => Err(ReadError::Rate { file: source.file.into(), value }),
+        None => Ok(()),
+    }
+}
+
 /// Makes the record from what a reader found.
 pub(crate) fn assemble(source: &FileBytes, mut raw: Raw, options: &ReadOptions) -> Result<Record, ReadError> {
-    if let Some(value) = options.rate.filter(|r| !(r.is_finite() && *r > 0.0)) {
-        return Err(ReadError::Rate { file: source.file.into(), value });
-    }
+    check_rate(source, options)?;
     if !raw.chosen {
         keep_one_quantity(source, &mut raw, options.quantity)?;
     }
@@ -88,9 +97,7 @@ pub(crate) fn all_channels(
     mut raw: Raw,
     options: &ReadOptions,
 ) -> Result<(f64, Vec<Channel>, Vec<Warning>), ReadError> {
-    if let Some(value) = options.rate.filter(|r| !(r.is_finite() && *r > 0.0)) {
-        return Err(ReadError::Rate { file: source.file.into(), value });
-    }
+    check_rate(source, options)?;
     let Grid { dt, .. } = place_in_time(source, &mut raw, options)?;
     // `Record::new` checks interval, lengths and samples.
     let (names, samples) = raw.channels.iter().map(|c| (c.name.clone(), c.values.clone())).unzip();

@@ -1,6 +1,6 @@
 //! One file that appears whole or not at all.
 
-use iwan_machine::Kind;
+use iwan_machine::{Kind, lacking};
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
@@ -11,6 +11,9 @@ use super::litter;
 /// Bytes gathered before they are passed to the operating system: 64 KiB, eight times the default of the standard library, because files
 /// have many megabytes.
 const BUFFER: usize = 1 << 16;
+
+/// What helps where the machine lacks nothing.
+const FOLDER: &str = "check that the folder exists and may be written to";
 
 /// Why a file could not be written.
 #[derive(Debug, thiserror::Error)]
@@ -41,7 +44,7 @@ pub enum WriteError {
         path: PathBuf,
     },
     /// The operating system refused a step.
-    #[error("{}: cannot {action}: {source}; check that the folder exists, may be written to and has space", .path.display())]
+    #[error("{}: cannot {action}: {source}; {}", .path.display(), lacking(source).unwrap_or(FOLDER))]
     Io {
         /// Destination.
         path: PathBuf,
@@ -61,6 +64,12 @@ impl WriteError {
             Self::Busy { .. } => Kind::Busy,
             Self::Name { .. } | Self::Folder { .. } | Self::Io { .. } => Kind::Unwritable,
         }
+    }
+
+    /// Whether the machine lacks what the file needs: handles, or space.
+    #[must_use]
+    pub fn is_of_machine(&self) -> bool {
+        matches!(self, Self::Io { source, .. } if lacking(source).is_some())
     }
 }
 

@@ -21,8 +21,9 @@ const SMALL: u64 = 1 << 20;
 /// Time and channels of an NPZ file; the time is a vector `t` or `time`, or a number `dt` (seconds) or `fs` (Hz).
 /// Arrays that are not numeric, such as labels, are left out with a warning.
 pub(crate) fn parse(source: FileBytes, options: &ReadOptions) -> Result<Raw, ReadError> {
-    let (mut variables, mut warnings) = (Vec::new(), Vec::new());
+    let (mut variables, mut warnings, mut sparse) = (Vec::new(), Vec::new(), 0);
     each(&source, &|name, size| size <= SMALL || wanted(name, options), |name, bytes| {
+        sparse += usize::from(SPARSE.contains(&name.as_str()));
         match npy::variable(&source, &bytes, &name) {
             Ok(variable) => variables.push(variable),
             Err(ReadError::Unsupported { found, .. }) if !asked(&name, options) => {
@@ -32,8 +33,19 @@ pub(crate) fn parse(source: FileBytes, options: &ReadOptions) -> Result<Raw, Rea
         }
         Ok(())
     })?;
+    if sparse == SPARSE.len() && options.channels.is_empty() {
+        let found = "a sparse matrix as scipy.sparse.save_npz writes it";
+        return Err(source.unsupported(
+            "the archive",
+            found,
+            "name the channels of a record in it with --channel, or save records apart from matrices",
+        ));
+    }
     Chooser { source, options, tabular: false }.choose(variables, warnings)
 }
+
+/// Arrays that each sparse matrix of SciPy has.
+const SPARSE: [&str; 3] = ["format", "shape", "data"];
 
 /// All arrays of an archive: the key is the name, the value the bytes of an NPY file ([`NumpyArray`](super::NumpyArray)).
 ///

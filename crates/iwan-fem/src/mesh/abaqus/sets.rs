@@ -162,6 +162,17 @@ pub(super) fn resolve<'a>(
                 .map_err(|limit| too_large(source, definition, limit))?;
         }
     }
+    let empty = definitions.iter().filter(|d| {
+        let sets = if d.kind == SetKind::Nodes { &node_sets } else { &element_sets };
+        // A range beyond the file is named already.
+        let is_named = d.items.iter().any(|item| matches!(item, Item::Range { .. }));
+        !is_named && sets.members(&d.name, 0).is_some_and(<[usize]>::is_empty)
+    });
+    warnings.extend(empty.map(|d| MeshWarning::EmptySet {
+        place: source.at_line(d.line),
+        word: d.kind.word(),
+        set: d.name.clone(),
+    }));
     Ok(Named { nodes: node_sets, elements: element_sets, warnings })
 }
 
