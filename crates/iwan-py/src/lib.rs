@@ -47,7 +47,9 @@ mod _native {
     #[pymodule_export]
     use crate::records::likelihood::{_likelihood, Likelihood};
     #[pymodule_export]
-    use crate::records::record::{_read_bytes, _record, _seconds_in, Record, read_record};
+    use crate::records::reading::{_read_bytes, _seconds_in, read_record};
+    #[pymodule_export]
+    use crate::records::record::{_record, Record};
     #[pymodule_export]
     use crate::records::sweeps::{_fit_sweeps, FittedSweeps};
     #[pymodule_export]

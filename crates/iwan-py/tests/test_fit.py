@@ -328,10 +328,10 @@ def test_names_that_are_none_are_refused_before_the_fit_and_a_fit_shows_itself_i
 @pytest.mark.parametrize(
     ("given", "error", "said"),
     [
-        ({"hold": ["damping_ratio"]}, iwan.InvalidTypeError, "hold must give each parameter its value"),
-        ({"near": "124"}, iwan.InvalidTypeError, "near must be a number, not str"),
+        ({"hold": ["damping_ratio"]}, iwan.InvalidTypeError, "hold must be a mapping from names"),
+        ({"near": "124"}, iwan.InvalidTypeError, "near must be a real number, not str"),
         ({"order": -1}, iwan.InvalidValueError, "order = -1"),
-        ({"band": (100.0, 140.0, 180.0)}, iwan.InvalidValueError, "band = "),
+        ({"band": (100.0, 140.0, 180.0)}, iwan.InvalidValueError, "band has 3 numbers: give 2"),
         ({"hits": 0}, iwan.InvalidValueError, "hits = 0"),
     ],
 )

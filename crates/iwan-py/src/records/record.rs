@@ -1,13 +1,8 @@
 //! Records: uniformly sampled channels, from files or arrays.
 
-use std::path::PathBuf;
-
 use iwan_ident::curves;
 use iwan_ident::signal::{Event, SpectralPeak};
-use iwan_io::{
-    Format, Quantity, ReadOptions, TimeUnit, UnknownTimeUnit, Warning, quantity_of_unit, unit_of_times,
-};
-use iwan_machine::Kind;
+use iwan_io::{Quantity, quantity_of_unit};
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
@@ -15,15 +10,13 @@ use pyo3::types::{PyBool, PyDict};
 
 use crate::exchange::arguments::{Call, in_python};
 use crate::exchange::array::{Numbers, array, freeze, frozen_rows};
-use crate::exchange::errors::{
-    identification, no_record, of, reading, record as record_error, value, value_of, warn, wrong_type,
-};
+use crate::exchange::errors::{identification, no_record, value, value_of, warn, wrong_type};
 use crate::exchange::named;
 use crate::exchange::options::choose;
 use crate::exchange::pickle::Remake;
 use crate::exchange::work;
 
-const QUANTITIES: [(&str, Quantity); 8] = [
+pub(super) const QUANTITIES: [(&str, Quantity); 8] = [
     ("acceleration", Quantity::Acceleration),
     ("velocity", Quantity::Velocity),
     ("displacement", Quantity::Displacement),
@@ -37,16 +30,6 @@ const QUANTITIES: [(&str, Quantity); 8] = [
 /// Interval in s beyond which a warning says what it means: structures of metres swing within seconds and are sampled many times in each
 /// of their cycles. A judgement, and no refusal: what swings for minutes is sampled slowly.
 const FAR_APART: f64 = 1.0;
-
-const FORMATS: [(&str, Format); 7] = [
-    ("text", Format::Text),
-    ("npy", Format::Npy),
-    ("npz", Format::Npz),
-    ("uff", Format::Uff),
-    ("mat", Format::Mat),
-    ("lvm", Format::Lvm),
-    ("wav", Format::Wav),
-];
 
 /// One or many channels sampled together at a constant interval; checked once, frozen, picklable.
 ///
@@ -68,14 +51,14 @@ pub(crate) struct Record {
     pub(crate) names: Vec<String>,
     pub(crate) quantity: Quantity,
     pub(crate) unit: String,
-    warnings: Vec<String>,
+    pub(super) warnings: Vec<String>,
     /// Channels x samples, float64, read-only.
     #[pyo3(get)]
     pub(crate) samples: Py<PyArray2<f64>>,
 }
 
 impl Record {
-    fn wrap(py: Python<'_>, record: &iwan_io::Record) -> PyResult<Self> {
+    pub(super) fn wrap(py: Python<'_>, record: &iwan_io::Record) -> PyResult<Self> {
         Ok(Self {
             dt: record.dt(),
             start: record.start(),
@@ -152,7 +135,7 @@ impl Record {
         Self::wrap(py, &record.with_quantity(choose("quantity", quantity, &QUANTITIES)?, unit))
     }
     /// The record, with a warning where its samples lie so far apart that a rate may have been meant.
-    fn warned(self, py: Python<'_>) -> PyResult<Self> {
+    pub(super) fn warned(self, py: Python<'_>) -> PyResult<Self> {
         if self.dt > FAR_APART {
             let (dt, seconds) = (self.dt, self.dt * (self.__len__(py) - 1) as f64);
             let message = format!(
@@ -431,88 +414,4 @@ pub(crate) fn _record(
 ) -> PyResult<Record> {
     let (names, quantity, unit, warnings) = described;
     Ok(Record { warnings, ..Record::of_samples(samples, dt, Some(names), &quantity, &unit, start)? })
-}
-
-/// Reads a record from a file: CSV and other text (header and delimiter are found), NPY/NPZ, UFF/UNV dataset 58 and 58b,
-/// MATLAB .mat (v5 to v7.3), LabVIEW .lvm, WAV.
-///
-/// `path`: str or path-like; `format`: "text", "npy", "npz", "uff", "mat", "lvm" or "wav" where content and extension do not tell;
-/// `time`: name of the time vector, such as "HIdata.time"; `channels`: names, in the order wanted (all that fit by default);
-/// `rate` (Hz) where no time is stored; `quantity`: goes before what the file says; `resample`: interpolate samples that
-/// are not uniform; `time_unit`: "s", "ms", "us", "ns", "min" or "h", goes before what the file says; `unit`: convert the samples
-/// to "SI" or to a unit such as "m/s^2"; `start`, `stop`: keep only the samples between these times (s, on the record's own clock).
-///
-/// Returns a `Record`. Raises `iwan.MissingFileError` (a `FileNotFoundError`) or `iwan.FileError` (an `OSError`) when the file
-/// cannot be read, `iwan.RecordError` (a `ValueError`) naming the place in the file and what helps when its content is no record.
-///
-/// >>> with open("tip.csv", "w") as file:
-/// ...     _ = file.write("time [s],tip [m/s^2]\n0.0,1.0\n0.5,2.0\n1.0,4.0\n")
-/// >>> record = iwan.read_record("tip.csv")
-/// >>> record.quantity, record.unit, record.dt, record.channel("tip")
-/// ('acceleration', 'm/s^2', 0.5, array([1., 2., 4.]))
-#[pyfunction]
-#[pyo3(signature = (
-    path, *, format = None, time = None, channels = Vec::new(), rate = None, quantity = None, resample = false,
-    time_unit = None, unit = None, start = None, stop = None
-))]
-#[expect(clippy::too_many_arguments, reason = "keyword arguments of Python")]
-pub(crate) fn read_record(
-    py: Python<'_>,
-    #[pyo3(from_py_with = named::path)] path: PathBuf,
-    #[pyo3(from_py_with = named::format)] format: Option<&str>,
-    #[pyo3(from_py_with = named::time)] time: Option<String>,
-    #[pyo3(from_py_with = named::channels)] channels: Vec<String>,
-    #[pyo3(from_py_with = named::rate)] rate: Option<f64>,
-    #[pyo3(from_py_with = named::quantity)] quantity: Option<&str>,
-    #[pyo3(from_py_with = named::resample)] resample: bool,
-    #[pyo3(from_py_with = named::time_unit)] time_unit: Option<&str>,
-    #[pyo3(from_py_with = named::unit)] unit: Option<String>,
-    #[pyo3(from_py_with = named::start)] start: Option<f64>,
-    #[pyo3(from_py_with = named::stop)] stop: Option<f64>,
-) -> PyResult<Record> {
-    let format = format.map(|name| choose("format", name, &FORMATS)).transpose()?;
-    let quantity = quantity.map(|name| choose("quantity", name, &QUANTITIES)).transpose()?;
-    let time_unit =
-        time_unit.map(str::parse).transpose().map_err(|e: UnknownTimeUnit| value(e.to_string()))?;
-    let options = ReadOptions { format, time, channels, rate, quantity, resample, time_unit, unit };
-    let record = work::run(py, true, move |_| iwan_io::read(path, &options))?;
-    let record = record.map_err(|error| reading(Call::File, &error))?;
-    Record::wrap(py, &record.between(start, stop).map_err(|error| no_record(&error))?)?.warned(py)
-}
-
-/// Seconds in the unit of times: that which is written beside them, or else the one in their name, or else 1.
-#[pyfunction]
-pub(crate) fn _seconds_in(name: &str, unit: &str) -> PyResult<f64> {
-    let written = if unit.trim().is_empty() { unit_of_times(name) } else { unit.to_owned() };
-    if written.trim().is_empty() {
-        return Ok(1.0);
-    }
-    written.parse().map(TimeUnit::seconds).map_err(|error: UnknownTimeUnit| {
-        let message =
-            format!("the times '{name}' are in '{}': {error}; give dt=, or times in seconds", error.text);
-        of(Kind::TimeUnit, record_error(message))
-    })
-}
-
-/// Reads a record from the bytes of a file; `left_out` are names beside it that make no channel, with the reasons.
-#[pyfunction]
-#[expect(clippy::too_many_arguments, reason = "keyword arguments of Python")]
-pub(crate) fn _read_bytes(
-    py: Python<'_>,
-    name: PathBuf,
-    bytes: &[u8],
-    #[pyo3(from_py_with = named::time)] time: Option<String>,
-    #[pyo3(from_py_with = named::channels)] channels: Vec<String>,
-    #[pyo3(from_py_with = named::rate)] rate: Option<f64>,
-    #[pyo3(from_py_with = named::quantity)] quantity: Option<&str>,
-    #[pyo3(from_py_with = named::resample)] resample: bool,
-    left_out: Vec<(String, String)>,
-) -> PyResult<Record> {
-    let quantity = quantity.map(|name| choose("quantity", name, &QUANTITIES)).transpose()?;
-    let options = ReadOptions { time, channels, rate, quantity, resample, ..ReadOptions::default() };
-    let record = iwan_io::read_bytes(&name, bytes, &options);
-    let mut record = Record::wrap(py, &record.map_err(|error| reading(Call::Data, &error))?)?;
-    let left_out = left_out.into_iter().map(|(name, reason)| Warning::LeftOut { name, reason }.to_string());
-    record.warnings.extend(left_out);
-    record.warned(py)
 }
