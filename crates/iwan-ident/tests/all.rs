@@ -12,6 +12,7 @@ mod neighbours;
 mod shared_joints;
 mod sweeps;
 mod synthetic_truth;
+mod treated_records;
 mod troubled_records;
 mod what_is_told;
 mod which_law;

@@ -30,6 +30,9 @@ const DRIFT: &str = "follows both, but the damping ratio is the same at all ampl
 /// Words for a joint that keeps the limits where a second blow speaks against it.
 const DRIVEN: &str = "follows both, but the decay is driven again within the stretch that is compared, as by a double hit: what a second blow does is taken for the joint's; cut the record there";
 
+/// Words for a joint that keeps the limits on a record that is not as it was measured.
+const TREATED: &str = "follows both, but the record was filtered or windowed before: what that did to the decay is taken for the joint's, and it tells none of its parameters";
+
 /// A measured value of a curve, its standard deviation, and the model's value.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Compared {
@@ -52,6 +55,8 @@ pub(crate) struct Beside {
 /// Why a model that keeps the limits is usable at best.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Doubt {
+    /// The record was filtered or windowed before: its decay is not the structure's.
+    Treated,
     /// The decay is driven again within the stretch that is compared: what a second blow does tells of no joint.
     Driven,
     /// A linear mode whose frequency drifts with time would leave the same record.
@@ -99,6 +104,8 @@ pub struct Verdict {
     /// Whether the joint describes the record, but a linear mode whose frequency drifts with time would leave the same one: only the frequency moves,
     /// and there is one record only.
     pub drift: bool,
+    /// Whether a record was filtered or windowed before, whatever the model makes of it.
+    pub treated: bool,
     /// How well the model describes the records: never better than dissipation and frequency both allow.
     pub grade: Grade,
     /// What does not fit, in words and numbers.
@@ -136,6 +143,7 @@ impl Verdict {
             (false, false) => Grade::No,
         };
         let drift = *doubt == Some(Doubt::Drift) && grade != Grade::No;
+        let treated = *doubt == Some(Doubt::Treated);
         let misfit = format!(
             "dissipation is missed by {:.2} % (limit {:.2} %), frequency by {:.4} Hz of a shift of {shift:.4} Hz (limit \
              {:.4} Hz): one four-parameter Iwan joint with a viscous damper {}",
@@ -147,6 +155,7 @@ impl Verdict {
                 Grade::Matches if within(limits) => "matches dissipation and frequency together",
                 Grade::Matches =>
                     "matches dissipation and frequency together, for it leaves nothing of the record but noise",
+                Grade::Usable if treated && within(usable) => TREATED,
                 Grade::Usable if *doubt == Some(Doubt::Driven) && within(usable) => DRIVEN,
                 Grade::Usable if drift => DRIFT,
                 Grade::Usable if within(limits) =>
@@ -163,6 +172,7 @@ impl Verdict {
             frequency_shift: shift,
             adequate: grade == Grade::Matches,
             drift,
+            treated,
             grade,
             misfit: [reasons.as_slice(), &[misfit]].concat().join("; "),
         }
@@ -232,6 +242,17 @@ mod tests {
         assert!(verdict.grade == Grade::Usable && !verdict.adequate, "{}", verdict.misfit);
         assert!(verdict.misfit.contains("driven again"), "{}", verdict.misfit);
         assert_eq!(Verdict::beside(&driven, &same(0.5), &same(0.0)).grade, Grade::No);
+    }
+
+    #[test]
+    fn what_was_treated_before_is_usable_at_best() {
+        let treated = Beside { doubt: Some(Doubt::Treated), ..Beside::default() };
+        let same = |by: f64| vec![Compared { measured: 1.0, deviation: 0.0, model: 1.0 + by }; 10];
+        let verdict = Verdict::beside(&treated, &same(0.0), &same(0.0));
+        assert!(verdict.grade == Grade::Usable && verdict.treated && !verdict.adequate, "{}", verdict.misfit);
+        assert!(verdict.misfit.contains("filtered or windowed before"), "{}", verdict.misfit);
+        let other = Verdict::beside(&treated, &same(0.5), &same(0.0));
+        assert!(other.grade == Grade::No && other.treated, "{}", other.misfit);
     }
 
     #[test]

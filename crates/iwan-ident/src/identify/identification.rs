@@ -149,6 +149,7 @@ impl Identification {
     fn untold_in_words(&self) -> Option<String> {
         match (untold(&self.verdict, self.laws.as_ref().ok()), &self.laws) {
             ([], _) => None,
+            _ if self.verdict.treated && self.verdict.grade != Grade::No => None,
             _ if self.verdict.drift => {
                 Some("what may be a drift tells none of the joint's parameters".into())
             }

@@ -42,17 +42,19 @@ pub(super) fn of_prepared(prepared: &[Prepared<'_>], iwan: Option<&Parameters>) 
             Source { ring_down, first: p.first as f64 * ring_down.dt, curves: &p.curves }
         })
         .collect();
-    compare(&sources, iwan)
+    let found = compare(&sources, iwan)?;
+    Ok(if prepared.iter().any(Prepared::is_treated) { found.of_treated() } else { found })
 }
 
 /// The parameters of an Iwan joint that the records do not tell, whatever its profiles say. A joint that does not describe the records has
-/// parameters, but not those of the structure; the same holds for a joint that may be a drift. Where the joint misses something and the evidence for
+/// parameters, but not those of the structure; the same holds for a joint that may be a drift, and for records that
+/// were filtered or windowed before. Where the joint misses something and the evidence for
 /// another law is strong, a bend that the joint makes of this is no macro-slip.
 pub(super) fn untold(verdict: &Verdict, laws: Option<&Comparison>) -> &'static [Parameter] {
     let against = laws.is_some_and(|laws| laws.speaks_against("iwan"));
     match verdict.grade {
         Grade::No => &Parameter::ALL,
-        _ if verdict.drift => &Parameter::ALL,
+        _ if verdict.drift || verdict.treated => &Parameter::ALL,
         Grade::Usable if against => &[Parameter::KT, Parameter::FS, Parameter::Beta],
         Grade::Usable | Grade::Matches => &[],
     }

@@ -158,6 +158,7 @@ fn identification(
     let drifts = records.len() == 1
         && laws.as_ref().is_ok_and(|laws| laws::only_the_frequency_moves(laws, extrapolation));
     let doubts = [
+        (prepared.iter().any(Prepared::is_treated), Doubt::Treated),
         (prepared.iter().any(Prepared::is_driven_again), Doubt::Driven),
         (drifts, Doubt::Drift),
         (speaks_against && refined.discrepancy.is_found(), Doubt::Surpassed),

@@ -73,6 +73,11 @@ impl<'a> Prepared<'a> {
         self.isolated.refused(error)
     }
 
+    /// Whether the record was filtered or windowed before it was given here.
+    pub(super) fn is_treated(&self) -> bool {
+        self.isolated.treatment.is_some()
+    }
+
     /// Whether the record is driven again within the samples that are compared, at least a cycle after the first of them.
     pub(super) fn is_driven_again(&self) -> bool {
         let dt = self.record.dt;

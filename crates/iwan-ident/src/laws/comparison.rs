@@ -191,6 +191,16 @@ impl Comparison {
         self
     }
 
+    /// The same comparison of records that were filtered or windowed before: a law that describes them is usable at best, and they tell no parameter of the structure.
+    pub(crate) fn of_treated(mut self) -> Self {
+        for law in &mut self.laws {
+            law.grade = law.grade.min(Grade::Usable);
+            law.parameters.iter_mut().for_each(|p| *p = p.untold());
+        }
+        self.chosen = choice(&self.laws).unwrap_or(self.chosen);
+        self
+    }
+
     /// The law to take.
     #[must_use]
     pub fn chosen(&self) -> &FittedLaw {

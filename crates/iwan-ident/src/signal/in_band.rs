@@ -143,6 +143,7 @@ pub(super) fn behind_filter(
         notes,
         bandwidth,
         scatter: 0.0,
+        treatment: None,
         begin: 0,
         beside: None,
         steady: Vec::new(),

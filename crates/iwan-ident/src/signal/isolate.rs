@@ -4,7 +4,7 @@ use super::beside::others;
 use super::in_band::{InBand, Options, behind_filter, chosen, in_band, rises};
 use super::isolated::Isolated;
 use super::spectrum::{Band, is_steady};
-use super::survey::{SpectralPeak, spectral_peaks};
+use super::survey::{SpectralPeak, spectral_peaks, treatment};
 use crate::error::Error;
 
 /// A note names another peak where it is more than this many times as high as the mode chosen, in the spectrum of what follows the loudest sample. That spectrum weights the
@@ -17,13 +17,14 @@ const AGAIN: usize = 2;
 /// Takes one mode out of a uniformly sampled record `x` (any unit, every `dt` seconds).
 ///
 /// The band of the mode is taken out of the record; then modes beside the band that reach into it are subtracted, and the band is
-/// looked at once more. Each step that finds something leaves a note, and so does each line in the band that does not belong to the mode.
+/// looked at once more. Each step that finds something leaves a note, and so do each line in the band that does not belong to the mode, and a filter or a window that the record went
+/// through before.
 ///
 /// # Errors
 /// [`Error::Refused`] for a record with two modes in the band, without decay, or clipped to its end;
 /// [`Error::TooShort`], [`Error::NotFinite`], [`Error::OutOfRange`].
 pub fn isolate(x: &[f64], dt: f64, options: &Options) -> Result<Isolated, Error> {
-    let found = in_band(x, dt, options);
+    let (whole, found) = (x, in_band(x, dt, options));
     let InBand { mut mode, gate, of_record } = found.map_err(|e| {
         driven_throughout(&e, x, dt, options).unwrap_or_else(|| beside_a_louder(e, x, dt, options))
     })?;
@@ -45,6 +46,8 @@ pub fn isolate(x: &[f64], dt: f64, options: &Options) -> Result<Isolated, Error>
     mode.steady = strangers.iter().filter(|line| line.is_steady()).map(ToString::to_string).collect();
     mode.refuse_second_line().map_err(|e| mode.refused(e))?;
     mode.notes.extend(strangers.iter().map(ToString::to_string));
+    mode.treatment = treatment(whole, dt, mode.band.peak);
+    mode.notes.extend(mode.treatment.map(|seen| seen.in_words(mode.band.peak)));
     let louder = louder(&peaks, &mode.band).filter(|peak| chooses(options) && !is_steady(x, dt, *peak));
     mode.notes.extend(louder.map(|peak| {
         let note = "the mode of this band was chosen because it is highest in the spectrum of the whole record; behind the loudest sample the highest is that at";

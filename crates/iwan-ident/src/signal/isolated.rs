@@ -6,6 +6,7 @@ use super::defects::clipped_until;
 use super::first_peak::{behind_the_blow, first_of_the_largest};
 use super::raw::{BEYOND, Raw, raw, widened};
 use super::spectrum::{Band, is_alone};
+use super::survey::Treatment;
 use super::transients::{Ends, Gate, Known};
 use crate::error::Error;
 use crate::smooth::{Points, Polynomial, Smooth};
@@ -57,6 +58,8 @@ pub struct Isolated {
     pub noise: f64,
     /// What was found and done, in words.
     pub notes: Vec<String>,
+    /// What was done to the record before it was given here: none where nothing is seen of it.
+    pub treatment: Option<Treatment>,
     /// Independent values a second behind the filter.
     pub(crate) bandwidth: f64,
     /// Relative scatter of the amplitude apart from noise.

@@ -34,6 +34,6 @@ pub use spectrum::{
 pub use spot::{Spot, spot};
 pub use strangers::Intruder;
 pub use survey::{
-    Event, Hit, Overview, SpectralPeak, Spectrogram, band_near, events, hits, overview, spectral_peaks,
-    spectrogram,
+    Event, Hit, Overview, SpectralPeak, Spectrogram, Treatment, band_near, events, hits, overview,
+    spectral_peaks, spectrogram, treatment,
 };

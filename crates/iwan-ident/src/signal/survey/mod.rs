@@ -8,6 +8,10 @@ mod breaks;
 mod events;
 mod overview;
 mod spectrogram;
+mod tapered;
+mod skirts;
+mod fading;
+mod treated;
 
 pub use events::{Event, events};
 pub use hits::{Hit, hits};
@@ -16,3 +20,4 @@ pub(super) use peak_list::band_among;
 pub use peak_list::{SpectralPeak, band_near, spectral_peaks};
 pub use spectrogram::{Spectrogram, spectrogram};
 pub(super) use swing::slow_rises;
+pub use treated::{Treatment, treatment};
