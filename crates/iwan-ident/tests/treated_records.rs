@@ -117,6 +117,21 @@ fn a_filter_on_one_side_or_in_one_pass_is_named() {
     assert!(matches!(both, Some(Treatment::Filtered { low: Some(_), high: Some(_) })), "{both:?}");
 }
 
+/// A filter far from the mode is named, and changes nothing else.
+#[test]
+fn a_filter_far_from_the_mode_takes_no_interval() {
+    let x = passed(&noisy(60.0, 11), 4, Passband::Band { low: 62.0, high: 248.0 });
+    assert!(matches!(seen(&x), Some(Treatment::Filtered { low: Some(_), high: Some(_) })), "{:?}", seen(&x));
+    let found = identified(&x);
+    assert!(!found.verdict.treated && found.verdict.adequate, "{}", found.verdict.misfit);
+    assert!(found.notes.iter().any(|note| note.contains("too far from the mode")), "{:?}", found.notes);
+    let (chi, frequency) = (found.profile(Parameter::Chi), found.profile(Parameter::Frequency));
+    for (profile, truth) in [(chi, MODE.chi), (frequency, MODE.frequency)] {
+        let (low, high) = (profile.low.unwrap(), profile.high.unwrap());
+        assert!(low - (high - low) < truth && truth < high + (high - low), "{truth}: {low} {high}");
+    }
+}
+
 #[test]
 fn windows_are_named_by_the_noise_that_fades_with_them() {
     for (seed, decibels) in [(5, 30.0), (6, 45.0), (7, 60.0)] {

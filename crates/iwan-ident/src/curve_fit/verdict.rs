@@ -104,7 +104,7 @@ pub struct Verdict {
     /// Whether the joint describes the record, but a linear mode whose frequency drifts with time would leave the same one: only the frequency moves,
     /// and there is one record only.
     pub drift: bool,
-    /// Whether a record was filtered or windowed before, whatever the model makes of it.
+    /// Whether a record was filtered next to the mode, or windowed, before it was given, whatever the model makes of it.
     pub treated: bool,
     /// How well the model describes the records: never better than dissipation and frequency both allow.
     pub grade: Grade,

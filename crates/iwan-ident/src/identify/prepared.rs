@@ -73,9 +73,9 @@ impl<'a> Prepared<'a> {
         self.isolated.refused(error)
     }
 
-    /// Whether the record was filtered or windowed before it was given here.
+    /// Whether the record was filtered next to the mode, or windowed, before it was given here.
     pub(super) fn is_treated(&self) -> bool {
-        self.isolated.treatment.is_some()
+        self.isolated.treatment.is_some_and(|seen| seen.spoils(self.isolated.band.peak))
     }
 
     /// Whether the record is driven again within the samples that are compared, at least a cycle after the first of them.
