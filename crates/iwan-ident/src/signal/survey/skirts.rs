@@ -25,6 +25,8 @@ const NOISE: f64 = 3e-8;
 const FURTHER: f64 = 1.5;
 /// Part of its distance from the mode up to which a shelf is compared with itself: what falls with the distance exponentially or more slowly is the mode's own skirt.
 const INSIDE: f64 = 0.7;
+/// Largest of these factors.
+const WIDEST: f64 = FALLS[1].0;
 /// It stays down over this factor of frequency, in this fraction of the bands; with fewer bands nothing is seen.
 const STAYS: f64 = 2.0;
 const DOWN: f64 = 0.85;
@@ -124,5 +126,7 @@ fn edge(steps: &[Step], peak: f64, from: f64, least: f64) -> Option<f64> {
         FALLS.iter().any(falls).then_some(shelf)
     };
     let (at, shelf) = within(from, REACH * peak).find_map(|at| Some((at, shelf_that_falls(at)?)))?;
-    within(at.frequency, f64::INFINITY).find(|s| s.power < EDGE * shelf).map(|s| s.frequency)
+    // Noise dips here and there: the edge stands behind the last band that is still up.
+    let last = within(at.frequency, WIDEST * at.frequency).rfind(|s| s.power >= EDGE * shelf)?;
+    steps.iter().find(|s| s.frequency > last.frequency).map(|s| s.frequency)
 }
