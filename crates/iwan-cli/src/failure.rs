@@ -157,7 +157,7 @@ impl Failure {
 
     /// The failure as one JSON object.
     pub(crate) fn json(&self) -> String {
-        let shown = shown::brief(&self.to_string());
+        let shown = iwan_machine::brief(&self.to_string());
         let text = shown.strip_prefix("error: ").unwrap_or(&shown);
         let (message, remedy) =
             text.split_once("\nremedy: ").or_else(|| text.split_once("; ")).unwrap_or((text, ""));

@@ -2,10 +2,9 @@
 
 use std::io::Write;
 
-use iwan_machine::Kind;
+use iwan_machine::{Kind, brief, harmless};
 
 use crate::failure::Failure;
-use crate::shown::{brief, harmless};
 
 /// Prints a result to stdout. It is no failure where the reader has closed the pipe (`iwan ... | head`).
 pub(crate) fn result(text: &str) -> Result<(), Failure> {

@@ -287,3 +287,22 @@ fn decays_from_far_beyond_macro_slip_have_all_their_turning_points() {
         }
     }
 }
+
+/// From 1e16 φ_max on a half cycle loses less than the rounding of its amplitude: such a decay went on without end.
+#[test]
+fn decays_begin_within_what_a_double_resolves() {
+    let joint = FourParameter::new(4.45e4, 239.4, -0.183, 0.3).unwrap();
+    let mode = Oscillator::new(124.0, 0.0, joint.k_t(), ResidualStiffness::Positive).unwrap();
+    let begun = |start| {
+        Decay::new(&mode, &joint, 0.0, start, [Reversal::default(); 64]).map(|mut decay| decay.next())
+    };
+    let far = |times: f64| times * joint.phi_max();
+    let thrown = |times: f64| Motion { displacement: 0.0, velocity: far(times) * mode.k_inf().sqrt() };
+    for start in [Motion::held_at(far(0.99e12)), thrown(-0.99e12)] {
+        assert!(begun(start).unwrap().is_some(), "{start:?}");
+    }
+    for (start, name) in [(Motion::held_at(far(-1.01e12)), "displacement"), (thrown(1.01e12), "velocity")] {
+        let error = begun(start).unwrap_err().to_string();
+        assert!(error.contains(name) && error.contains("1e12 times"), "{error}");
+    }
+}

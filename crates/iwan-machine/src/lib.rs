@@ -12,6 +12,9 @@ mod kinds;
 // Names in messages: lists of them, long ones, and those with characters that do harm.
 mod names;
 
+// Messages as they may be shown: of bounded length, and without characters that a terminal obeys.
+mod messages;
+
 // Address space, of which threads and memory both take.
 mod address_space;
 
@@ -29,4 +32,5 @@ pub mod checkpoint;
 
 pub use files::{lacking, read_file, read_file_within};
 pub use kinds::Kind;
+pub use messages::{brief, coded, harmless, without_long_numbers};
 pub use names::{is_harmful, listed, plain, shortened};

@@ -3,7 +3,6 @@
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 use super::figure::Figure;
-use crate::shown;
 
 /// A self-contained HTML page.
 pub(crate) fn page(title: &str, body: &Markup) -> String {
@@ -19,7 +18,7 @@ pub(crate) fn page(title: &str, body: &Markup) -> String {
             body { (body) }
         }
     };
-    shown::harmless(&page.into_string()).into()
+    iwan_machine::harmless(&page.into_string()).into()
 }
 
 /// The warnings as a box; nothing where there are none.

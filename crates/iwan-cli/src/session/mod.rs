@@ -241,7 +241,7 @@ impl Session {
         let printed = if self.json {
             summary::printed(summary, &self.files, &folder)
         } else {
-            shown::without_long_numbers(&summary.text()).into_owned()
+            iwan_machine::without_long_numbers(&summary.text()).into_owned()
         };
         output::result(&printed)?;
         match self.doubts.len() + summary.warnings().len() {

@@ -3,9 +3,8 @@
 use std::collections::HashMap;
 use std::ops::Deref;
 
+use iwan_machine::brief;
 use serde::Serialize;
-
-use crate::shown::brief;
 
 /// Warnings of one kind that are given one by one: who has read as many learns nothing from more. A judgement.
 const GIVEN: usize = 5;

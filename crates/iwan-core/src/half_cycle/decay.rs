@@ -77,7 +77,7 @@ impl<'a, B: Backbone, S: AsRef<[Reversal]> + AsMut<[Reversal]>> Decay<'a, B, S> 
     /// velocity of `start`; `load` is a constant force. `stack` provides room for reversals, one per half cycle and at least three.
     ///
     /// # Errors
-    /// [`Error::Length`]; [`Error::OutOfRange`] when K_∞ <= 0 or a value is not finite.
+    /// [`Error::Length`]; [`Error::OutOfRange`] when K_∞ <= 0, a value is not finite or the start lies beyond 1e12 times the displacement of macro-slip.
     pub fn new(
         oscillator: &Oscillator,
         law: &'a B,
@@ -129,7 +129,7 @@ impl<'a, B: Backbone, S: AsRef<[Reversal]> + AsMut<[Reversal]>> Decay<'a, B, S> 
     /// A decay that continues from a state reached by time stepping, given by `memory` and `velocity`.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] when K_∞ <= 0 or a value is not finite.
+    /// [`Error::OutOfRange`] when K_∞ <= 0, a value is not finite or the start lies beyond 1e12 times the displacement of macro-slip.
     pub fn from_memory(
         oscillator: &Oscillator,
         law: &'a B,
@@ -157,7 +157,7 @@ impl<'a, B: Backbone, S: AsRef<[Reversal]> + AsMut<[Reversal]>> Decay<'a, B, S> 
     /// ```
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] when a value is not finite.
+    /// [`Error::OutOfRange`] when a value is not finite or lies beyond what [`new`](Self::new) allows.
     pub fn anew(self, start: Motion) -> Result<Self, Error> {
         let law = self.map.law;
         let mut memory = self.memory.into_virgin(law.initial_stiffness());
@@ -174,8 +174,12 @@ impl<'a, B: Backbone, S: AsRef<[Reversal]> + AsMut<[Reversal]>> Decay<'a, B, S> 
         let law = map.law;
         let joint = Continuum::new(law);
         let q = joint.displacement(&memory);
-        for (name, value) in [("displacement", q), ("velocity", velocity)] {
-            crate::error::check(name, value, true, "must be a finite number")?;
+        let farthest = FARTHEST * law.strengths().1;
+        let fastest = farthest * libm::sqrt(map.k_inf);
+        for (name, value, limit) in [("displacement", q, farthest), ("velocity", velocity, fastest)] {
+            let allowed = "a free decay begins within 1e12 times the displacement of macro-slip; \
+                       lower the force or check the joint";
+            crate::error::check(name, value, value.abs() <= limit, allowed)?;
         }
         let stored = joint.stored_energy(&memory);
         let now = Moment { time: 0.0, q, v: velocity };
@@ -350,6 +354,11 @@ struct Crossing {
     value: f64,
     rate: f64,
 }
+
+/// Largest start of a free decay, as a multiple of the displacement at which the last slider slips. A half cycle in macro-slip shortens the
+/// amplitude by some multiple of that displacement, so that 1e12 times it leaves four digits of the loss in a double; beyond 1e16 the loss
+/// is below the rounding of the amplitude, and the decay would never end. Farther starts are refused.
+const FARTHEST: f64 = 1e12;
 
 /// Number of steps after which a motion without reversal counts as creeping, and the decay ends. At [`LONGEST_ANGLE`] they are 50,000 rad,
 /// 8,000 periods of the mode.

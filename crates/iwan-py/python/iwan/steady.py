@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, overload
 from numpy.typing import ArrayLike
 
 from iwan import _native
-from iwan._arguments import instance, items
+from iwan._arguments import count, instance, items
 from iwan._native import Mode
 from iwan.errors import InvalidTypeError, InvalidValueError
 from iwan.types import Array, Pair
@@ -299,7 +299,8 @@ def backbone(
     an `iwan.Structure` as their own `backbone` computes them, with its further `options` (`mode` there is `of` here).
 
     `amplitude`: modal displacements (mass^1/2 length), > 0 and ascending. `harmonics`: the highest one, odd; 1 is the closed
-    form of `Mode.frequency_at` and `Mode.damping_ratio_at`. `threads`: for several modes, all cores by default.
+    form of `Mode.frequency_at` and `Mode.damping_ratio_at`. `threads`: for several modes, all cores by default; one curve is one
+    computation.
 
     Returns a `Backbone`, or a list of them. Raises `iwan.InvalidValueError` for a value out of range.
 
@@ -312,6 +313,8 @@ def backbone(
     if (whole := _whole(mode)) is not None:
         if "of" in options:
             options["mode"] = options.pop("of")
+        if threads is not None:
+            count("threads", threads)
         return whole.backbone(amplitude=amplitude, harmonics=harmonics, **options)  # type: ignore[arg-type]
     if options:
         raise InvalidTypeError(f"{', '.join(options)}: these are options of structures, and modes have none of them")
