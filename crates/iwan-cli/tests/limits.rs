@@ -25,7 +25,7 @@ const COMMANDS: [&str; 8] = [
 
 fn prepared() -> tempfile::TempDir {
     let place = folder(&(SMALL.to_string() + "[sweep]\nfrom = 100.0\nto = 130.0\nforce = [1.0]\n"));
-    let record = ring_down(2000.0, 2000, &[(124.0, 0.005, 1.0)], &[&[1.0]], "a [m/s^2]");
+    let record = ring_down(2000.0, 600, &[(124.0, 0.005, 1.0)], &[&[1.0]], "a [m/s^2]");
     std::fs::write(place.path().join("r.csv"), record).unwrap();
     hits(place.path(), 2);
     place

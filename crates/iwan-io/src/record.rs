@@ -298,6 +298,12 @@ impl Record {
         &self.warnings
     }
 
+    /// Whether the file says that a window lies over a channel ([`Warning::Windowed`]): a decay is then the structure's and the window's together.
+    #[must_use]
+    pub fn is_windowed(&self) -> bool {
+        self.warnings.iter().any(|warning| matches!(warning, Warning::Windowed { .. }))
+    }
+
     /// The channels by value.
     #[must_use]
     pub fn into_samples(self) -> Vec<Vec<f64>> {

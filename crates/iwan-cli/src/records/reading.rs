@@ -243,6 +243,8 @@ fn wanted(
     shapes: &str,
 ) -> Result<Wanted, Failure> {
     let all: Vec<_> = recordings.iter().map(channels).collect();
+    // What one record of several lies under spoils what they tell together.
+    let options = Options { windowed: recordings.iter().any(|r| r.record.is_windowed()), ..options };
     let mode = one_mode(&all, shape, &options).map_err(|fault| match fault {
         NoMode::Shapes(error) => Failure::said(shapes, &error),
         NoMode::Recording { index, error } => Failure::said(&recordings[index].name, &error),

@@ -8,6 +8,7 @@ use iwan_machine::checkpoint::Digest;
 use nalgebra::{DMatrix, DVector};
 
 use super::kept::{End, Kept};
+use super::triangular::triangular;
 
 /// A least-squares problem. A function of the coordinates that fills the residuals is one; its derivatives are finite differences.
 pub(crate) trait Problem {
@@ -137,10 +138,7 @@ impl Search {
         };
         for _ in 0..self.iterations {
             // Orthogonal factors in place of normal equations: valleys here are a million times longer than wide.
-            let factors = jacobian.clone().qr();
-            let mut rotated = DVector::from_column_slice(&r);
-            factors.q_tr_mul(&mut rotated);
-            let (matrix, rotated) = (factors.r(), rotated.rows(0, self.free.len()).into_owned());
+            let (matrix, rotated) = rotated(&jacobian, &DVector::from_column_slice(&r));
             let most = if fresh { MOST_DAMPING } else { damping * 100.0 };
             let (mut part, mut taken, mut tried) = (0.0, 0.0, false);
             while damping < most {
@@ -306,9 +304,21 @@ fn damped(matrix: &DMatrix<f64>, rotated: &DVector<f64>, damping: f64) -> Option
     }
     let mut right = DVector::zeros(rows + columns);
     right.rows_mut(0, rows).copy_from(rotated);
-    let factors = stacked.qr();
-    factors.q_tr_mul(&mut right);
-    factors.r().solve_upper_triangular(&right.rows(0, columns))
+    let (factor, right) = self::rotated(&stacked, &right);
+    factor.solve_upper_triangular(&right)
+}
+
+/// The triangular factor of a matrix with no fewer rows than columns, and the part of the right side that the matrix reaches, both turned by the same
+/// reflections: the least squares of the one against the other are those of the matrix against the right side.
+fn rotated(matrix: &DMatrix<f64>, right: &DVector<f64>) -> (DMatrix<f64>, DVector<f64>) {
+    let columns = matrix.ncols();
+    let mut beside = matrix.clone().resize_horizontally(columns + 1, 0.0);
+    beside.set_column(columns, right);
+    let factor = triangular(beside);
+    (
+        factor.view((0, 0), (columns, columns)).into_owned(),
+        factor.view((0, columns), (columns, 1)).column(0).into_owned(),
+    )
 }
 
 /// How the coordinates of all other columns follow a change of the last one by 1, so that the residuals stay as small as they can.

@@ -2,6 +2,7 @@
 
 mod chart;
 mod kept;
+mod triangular;
 mod least_squares;
 mod non_negative;
 
@@ -9,3 +10,4 @@ pub(crate) use chart::{CHI, Chart, DIRAC, KNEE, SOFTENING, Scales};
 pub(crate) use kept::Kept;
 pub(crate) use least_squares::{Minimum, Problem, Search, TOLERANCE, following};
 pub(crate) use non_negative::solve as solve_non_negative;
+pub(crate) use triangular::{blocked, triangular};

@@ -50,11 +50,13 @@ pub struct Options {
     pub window: Option<(f64, f64)>,
     /// Degree of the polynomials (Hilbert) or number of spline intervals (peaks); none: chosen by Schwarz's criterion.
     pub order: Option<usize>,
+    /// Whether the record is known to lie under a window, as by the header of its file.
+    pub windowed: bool,
 }
 
 impl Default for Options {
     fn default() -> Self {
-        Self { band: None, near: None, filter_order: 3, window: None, order: None }
+        Self { band: None, near: None, filter_order: 3, window: None, order: None, windowed: false }
     }
 }
 

@@ -4,7 +4,7 @@ use super::beside::others;
 use super::in_band::{InBand, Options, behind_filter, chosen, in_band, rises};
 use super::isolated::Isolated;
 use super::spectrum::{Band, is_steady};
-use super::survey::{SpectralPeak, spectral_peaks, treatment};
+use super::survey::{SpectralPeak, Treatment, spectral_peaks, treatment};
 use crate::error::Error;
 
 /// A note names another peak where it is more than this many times as high as the mode chosen, in the spectrum of what follows the loudest sample. That spectrum weights the
@@ -46,7 +46,8 @@ pub fn isolate(x: &[f64], dt: f64, options: &Options) -> Result<Isolated, Error>
     mode.steady = strangers.iter().filter(|line| line.is_steady()).map(ToString::to_string).collect();
     mode.refuse_second_line().map_err(|e| mode.refused(e))?;
     mode.notes.extend(strangers.iter().map(ToString::to_string));
-    mode.treatment = treatment(whole, dt, mode.band.peak);
+    let declared = options.windowed.then_some(Treatment::Declared);
+    mode.treatment = treatment(whole, dt, mode.band.peak).or(declared);
     mode.notes.extend(mode.treatment.map(|seen| seen.in_words(mode.band.peak)));
     let louder = louder(&peaks, &mode.band).filter(|peak| chooses(options) && !is_steady(x, dt, *peak));
     mode.notes.extend(louder.map(|peak| {

@@ -71,7 +71,7 @@ impl Request<'_> {
         let held = self.hold.0.iter().map(parameter).collect::<PyResult<Vec<_>>>()?;
         let Self { near, filter_order, order, .. } = *self;
         let (band, window) = (self.band.map(Into::into), self.window.map(Into::into));
-        let options = Options { band, near, filter_order, window, order };
+        let options = Options { band, near, filter_order, window, order, windowed: false };
         Ok(Settings { options, method: method_named(&self.method)?, held })
     }
 
@@ -89,6 +89,7 @@ impl Request<'_> {
         let mut records =
             modal(records, None, self.channel.as_ref(), quantity, shape, &settings.options, Call::Other)?;
         scale(&mut records, self.mass)?;
+        settings.options.windowed = records.iter().any(|record| record.windowed);
         let mass_normalised = self.mass.is_some() || shape.is_some();
         Ok(Task { records, mass_normalised, settings })
     }

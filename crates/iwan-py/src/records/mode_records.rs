@@ -26,6 +26,8 @@ pub(crate) struct Modal {
     pub(crate) unit: String,
     /// Names of the channels from which the record was taken.
     pub(crate) channels: Vec<String>,
+    /// Whether a window is known to lie over the record.
+    pub(crate) windowed: bool,
     /// Remarks: how the channels were combined, and what was assumed.
     pub(crate) notes: Vec<String>,
 }
@@ -84,6 +86,7 @@ pub(crate) fn modal(
         quantity,
         unit: record.get().unit.clone(),
         channels: names.clone(),
+        windowed: record.get().windowed,
         notes: notes.clone(),
     };
     Ok(records.iter().zip(mode.records).map(one).collect())

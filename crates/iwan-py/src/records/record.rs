@@ -52,6 +52,8 @@ pub(crate) struct Record {
     pub(crate) quantity: Quantity,
     pub(crate) unit: String,
     pub(super) warnings: Vec<String>,
+    /// Whether the file says that a window lies over a channel.
+    pub(super) windowed: bool,
     /// Channels x samples, float64, read-only.
     #[pyo3(get)]
     pub(crate) samples: Py<PyArray2<f64>>,
@@ -66,8 +68,14 @@ impl Record {
             quantity: record.quantity(),
             unit: record.unit().to_owned(),
             warnings: record.warnings().iter().map(|w| in_python(&w.to_string(), Call::File)).collect(),
+            windowed: record.is_windowed(),
             samples: frozen_rows(py, record.samples())?,
         })
+    }
+
+    /// A part of this record, with what is noted of the whole.
+    fn noted(&self, part: Self) -> Self {
+        Self { warnings: self.warnings.clone(), windowed: self.windowed, ..part }
     }
 
     /// The record of the library, made from this one and checked again.
@@ -275,7 +283,7 @@ impl Record {
         #[pyo3(from_py_with = named::stop)] stop: Option<f64>,
     ) -> PyResult<Self> {
         let cut = self.whole(py)?.between(start, stop).map_err(|error| no_record(&error))?;
-        Ok(Self { warnings: self.warnings.clone(), ..Self::wrap(py, &cut)? })
+        Ok(self.noted(Self::wrap(py, &cut)?))
     }
 
     /// The hits in the record, each from its blow to the next one, as a list of `Record` on the record's own clock; the record itself where
@@ -316,7 +324,7 @@ impl Record {
         let cut = |stretch: std::ops::Range<usize>| {
             let (first, last) = (record.time(stretch.start), record.time(stretch.end - 1));
             let cut = record.between(Some(first), Some(last)).map_err(|error| no_record(&error))?;
-            Ok(Self { warnings: self.warnings.clone(), ..Self::wrap(py, &cut)? })
+            Ok(self.noted(Self::wrap(py, &cut)?))
         };
         let told = |event: &Event| {
             let dict = PyDict::new(py);
@@ -383,7 +391,8 @@ impl Record {
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Remake<'py>> {
         let (py, this) = (slf.py(), slf.get());
         let names = this.names.clone();
-        let described = (names, this.quantity.to_string(), &this.unit, this.warnings.clone());
+        let noted = (this.warnings.clone(), this.windowed);
+        let described = (names, this.quantity.to_string(), &this.unit, noted);
         let arguments = (this.samples.clone_ref(py), this.dt, this.start, described);
         Ok((py.import("iwan._native")?.getattr("_record")?, arguments.into_bound_py_any(py)?))
     }
@@ -401,8 +410,8 @@ fn check_unit(quantity: Quantity, unit: &str) -> PyResult<()> {
     )))
 }
 
-/// Names, quantity, unit and warnings, as pickled.
-type Described = (Vec<String>, String, String, Vec<String>);
+/// Names, quantity, unit, and what is noted (warnings, and whether there is a window), as pickled.
+type Described = (Vec<String>, String, String, (Vec<String>, bool));
 
 /// Makes a pickled `Record` again.
 #[pyfunction]
@@ -412,6 +421,10 @@ pub(crate) fn _record(
     start: f64,
     described: Described,
 ) -> PyResult<Record> {
-    let (names, quantity, unit, warnings) = described;
-    Ok(Record { warnings, ..Record::of_samples(samples, dt, Some(names), &quantity, &unit, start)? })
+    let (names, quantity, unit, (warnings, windowed)) = described;
+    Ok(Record {
+        warnings,
+        windowed,
+        ..Record::of_samples(samples, dt, Some(names), &quantity, &unit, start)?
+    })
 }

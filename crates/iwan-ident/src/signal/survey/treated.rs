@@ -28,6 +28,8 @@ pub enum Treatment {
     Hann,
     /// The Hamming window, from 8 % at the begin to 8 % at the end.
     Hamming,
+    /// A window that nothing in the samples shows, but that is known to lie over the record ([`Options::windowed`](crate::signal::Options)).
+    Declared,
 }
 
 /// A filter whose edges lie farther than this factor from the mode's frequency leaves the decay as it is. Of 22 fits behind band-passes of third to sixth order with edges a
@@ -91,6 +93,7 @@ impl Treatment {
             }
             Self::Hann => windowed("Hann"),
             Self::Hamming => windowed("Hamming"),
+            Self::Declared => "a window lies over the record, as its file says: the decay is the structure's and the window's together; export the record without it".into(),
         }
     }
 }

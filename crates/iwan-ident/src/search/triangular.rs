@@ -1,0 +1,47 @@
+//! Triangular factors of matrices by blocked Householder reflections. They are a quarter of the time of a joint fit if they are made column by column.
+
+use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::linalg::qr::no_pivoting::factor as qr;
+use faer::{Mat, MatMut, Par, Spec};
+use iwan_machine::memory::is_address_space_bounded;
+use nalgebra::DMatrix;
+
+/// The triangular factor R of the QR decomposition of a matrix.
+pub(crate) fn triangular(mut matrix: DMatrix<f64>) -> DMatrix<f64> {
+    if is_address_space_bounded() {
+        return matrix.qr().unpack_r();
+    }
+    let ((rows, columns), spec) = (matrix.shape(), Spec::default());
+    let block = qr::recommended_block_size::<f64>(rows, columns);
+    let mut coefficients = Mat::zeros(block, rows.min(columns));
+    let mut buffer = MemBuffer::new(qr::qr_in_place_scratch::<f64>(rows, columns, block, Par::Seq, spec));
+    let stack = MemStack::new(&mut buffer);
+    qr::qr_in_place(blocked(&mut matrix), coefficients.as_mut(), Par::Seq, stack, spec);
+    let mut factor = matrix.resize_vertically(rows.min(columns), 0.0);
+    factor.fill_lower_triangle(0.0, 1);
+    factor
+}
+
+/// The view of a matrix that blocked factorisations take. For a dozen records matrices have several hundred rows and columns, where blocked
+/// factorisations are four to ten times as fast as plain ones.
+pub(crate) fn blocked(matrix: &mut DMatrix<f64>) -> MatMut<'_, f64> {
+    let (rows, columns) = matrix.shape();
+    MatMut::from_column_major_slice_mut(matrix.as_mut_slice(), rows, columns)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn triangular_factors_are_those_of_the_matrix() {
+        for (rows, columns) in [(7, 3), (300, 140), (5, 5), (4, 6)] {
+            let matrix = DMatrix::from_fn(rows, columns, |i, j| ((3 * i + 7 * j * j) as f64).sin());
+            let factor = triangular(matrix.clone());
+            assert!((factor.tr_mul(&factor) - matrix.tr_mul(&matrix)).norm() < 1e-13 * matrix.norm_squared());
+        }
+        let without_effect = DMatrix::from_row_slice(3, 2, &[0.0, 1.0, 0.0, 2.0, 0.0, 2.0]);
+        let factor = triangular(without_effect);
+        assert!(factor.column(0).norm() == 0.0 && (factor.column(1).norm() - 3.0).abs() < 1e-15);
+    }
+}
