@@ -12,6 +12,10 @@ mod text;
 // A table, key by key.
 mod section;
 
+// The shipped schemas beside the keys that the readers know.
+#[cfg(test)]
+mod schema;
+
 // What the tables mean.
 mod written_law;
 mod modal_test;

@@ -1,43 +1,29 @@
 //! The shipped JSON Schema and the reader agree: they know the same keys, and accept and refuse the same files.
 #![allow(clippy::unwrap_used, reason = "tests may panic")]
 
-use serde_json::Value;
-
 use super::read::KEYS;
 use super::{
     Overrides, SCHEMA, Scenario, SteadyScenario, built_in, curves, force, joint, method, mode, part,
     structure, sweep, to_toml,
 };
+use crate::schema::{Schema, as_json};
 use crate::section::{TableKind, known};
 use crate::text::InputText;
 
-fn schema() -> Value {
-    serde_json::from_str(SCHEMA).unwrap()
-}
-
-fn keys_at(pointer: &str) -> Vec<String> {
-    let schema = schema();
-    let properties = schema.pointer(pointer).and_then(Value::as_object).unwrap();
-    properties.keys().cloned().collect()
-}
-
-fn same(mut a: Vec<String>, b: &[&str]) {
-    let mut b: Vec<String> = b.iter().map(ToString::to_string).collect();
-    a.sort();
-    b.sort();
-    assert_eq!(a, b);
+fn schema() -> Schema {
+    Schema::new(SCHEMA)
 }
 
 #[test]
 fn plain_tables_have_the_same_keys() {
-    same(keys_at("/properties"), KEYS);
-    same(keys_at("/$defs/mode/properties"), mode::KEYS);
-    same(keys_at("/$defs/shared_joint/properties"), joint::KEYS);
-    same(keys_at("/$defs/initial/properties"), mode::INITIAL_KEYS);
-    same(keys_at("/$defs/time/properties"), method::TIME_KEYS);
-    same(keys_at("/$defs/structure/properties"), structure::KEYS);
-    same(keys_at("/$defs/curves/anyOf/1/properties"), curves::KEYS);
-    same(keys_at("/$defs/sweep/properties"), sweep::KEYS);
+    schema().has("/properties", KEYS);
+    schema().has("/$defs/mode/properties", mode::KEYS);
+    schema().has("/$defs/shared_joint/properties", joint::KEYS);
+    schema().has("/$defs/initial/properties", mode::INITIAL_KEYS);
+    schema().has("/$defs/time/properties", method::TIME_KEYS);
+    schema().has("/$defs/structure/properties", structure::KEYS);
+    schema().has("/$defs/curves/anyOf/1/properties", curves::KEYS);
+    schema().has("/$defs/sweep/properties", sweep::KEYS);
 }
 
 #[test]
@@ -49,36 +35,9 @@ fn every_kind_has_the_same_keys() {
         ("method", "kind", method::KINDS),
     ];
     for (table, tells, kinds) in tables {
-        let schema = schema();
-        let variants = schema.pointer(&format!("/$defs/{table}/oneOf")).and_then(Value::as_array).unwrap();
-        assert_eq!(variants.len(), kinds.len());
-        for (n, kind) in kinds.iter().enumerate() {
-            assert_eq!(variants[n]["properties"][tells]["const"], kind.name);
-            let keys: Vec<_> = [tells].iter().chain(kind.keys).copied().collect();
-            same(keys_at(&format!("/$defs/{table}/oneOf/{n}/properties")), &keys);
-        }
+        schema().has_kinds(table, tells, kinds);
         assert_eq!(known(kinds)[0], "kind");
     }
-}
-
-/// A scenario in the form that the schema's validator takes.
-fn as_json(text: &str) -> Value {
-    fn convert(value: &toml::de::DeValue<'_>) -> Value {
-        use toml::de::DeValue;
-        match value {
-            DeValue::String(s) => s.as_ref().into(),
-            DeValue::Integer(i) => i.as_str().parse::<i64>().unwrap().into(),
-            DeValue::Float(f) => f.as_str().parse::<f64>().unwrap().into(),
-            DeValue::Boolean(b) => (*b).into(),
-            DeValue::Array(a) => a.iter().map(|v| convert(v.get_ref())).collect(),
-            DeValue::Table(t) => {
-                t.iter().map(|(k, v)| (k.get_ref().to_string(), convert(v.get_ref()))).collect()
-            }
-            DeValue::Datetime(d) => d.to_string().into(),
-        }
-    }
-    let table = toml::de::DeTable::parse(text).unwrap();
-    table.get_ref().iter().map(|(k, v)| (k.get_ref().to_string(), convert(v.get_ref()))).collect()
 }
 
 fn read(text: &str) -> Result<Scenario, crate::InputError> {
@@ -100,7 +59,7 @@ duration = 0.1
 
 #[test]
 fn shipped_scenarios_are_valid_and_written_ones_too() {
-    let validator = jsonschema::validator_for(&schema()).unwrap();
+    let validator = schema().validator();
     let texts = built_in().iter().map(|b| b.text).chain([GOOD]);
     for text in texts {
         assert!(validator.is_valid(&as_json(text)));
@@ -113,7 +72,7 @@ fn shipped_scenarios_are_valid_and_written_ones_too() {
 
 #[test]
 fn every_variant_is_valid_and_survives_writing() {
-    let validator = jsonschema::validator_for(&schema()).unwrap();
+    let validator = schema().validator();
     let joint = "joint = { k_t = 1e4, f_s = 10.0, chi = -0.5, beta = 0.1 }";
     let none = "kind = 'none'";
     let variants = [
@@ -172,7 +131,7 @@ duration = 0.01
 
 #[test]
 fn structures_are_valid_and_survive_writing() {
-    let validator = jsonschema::validator_for(&schema()).unwrap();
+    let validator = schema().validator();
     let variants = [
         "name = 'paper-a'",
         "name = 'paper-b'\nmodel = 'full'",
@@ -218,7 +177,7 @@ fn structures_are_valid_and_survive_writing() {
 
 #[test]
 fn what_the_schema_refuses_the_reader_refuses() {
-    let validator = jsonschema::validator_for(&schema()).unwrap();
+    let validator = schema().validator();
     let bad = [
         ("frequency = 100", "frequency = -100"),
         ("frequency = 100", "frequncy = 100"),
@@ -285,7 +244,7 @@ duration = 0.1
 /// remedy when faulty.
 #[test]
 fn shared_joints_are_read_written_and_refused() {
-    let validator = jsonschema::validator_for(&schema()).unwrap();
+    let validator = schema().validator();
     let compliance = "compliance = 1e-6";
     for (from, to) in [
         ("", ""),
@@ -394,7 +353,7 @@ force = [1, 2.5]
 
 #[test]
 fn sweeps_need_neither_force_nor_time() {
-    let validator = jsonschema::validator_for(&schema()).unwrap();
+    let validator = schema().validator();
     let steady = |text: &str| SteadyScenario::read(&InputText::built_in("test.toml", text));
     for held in ["force", "base_acceleration", "displacement", "velocity", "acceleration"] {
         let text = SWEEP.replace("force", held) + "at = 'tip'\nharmonics = 7\npoints = 50\n";

@@ -1,37 +1,22 @@
 //! The shipped JSON Schema and the reader agree: they know the same keys, and accept and refuse the same files.
 #![allow(clippy::unwrap_used, reason = "tests may panic")]
 
-use serde_json::Value;
-use toml::de::{DeTable, DeValue};
-
 use super::file::KEYS;
 use super::{
     BUILT_IN_STRUCTURES, STRUCTURE_SCHEMA, StructureFile, ends, given, joints, materials, meshes, sets,
 };
+use crate::schema::{Schema, as_json};
 use crate::section::TableKind;
 use crate::text::InputText;
 use crate::written_law::LAWS;
 
-fn schema() -> Value {
-    serde_json::from_str(STRUCTURE_SCHEMA).unwrap()
-}
-
-fn keys_at(pointer: &str) -> Vec<String> {
-    let schema = schema();
-    let properties = schema.pointer(pointer).and_then(Value::as_object).unwrap();
-    properties.keys().cloned().collect()
-}
-
-fn same(mut a: Vec<String>, b: &[&str]) {
-    let mut b: Vec<String> = b.iter().map(ToString::to_string).collect();
-    a.sort();
-    b.sort();
-    assert_eq!(a, b);
+fn schema() -> Schema {
+    Schema::new(STRUCTURE_SCHEMA)
 }
 
 #[test]
 fn plain_tables_have_the_same_keys() {
-    same(keys_at("/properties"), KEYS);
+    schema().has("/properties", KEYS);
     let tables = [
         ("matrices", given::MATRICES_KEYS),
         ("elements", materials::ELEMENT_KEYS),
@@ -45,7 +30,7 @@ fn plain_tables_have_the_same_keys() {
         ("output", ends::OUTPUT_KEYS),
     ];
     for (table, keys) in tables {
-        same(keys_at(&format!("/$defs/{table}/properties")), keys);
+        schema().has(&format!("/$defs/{table}/properties"), keys);
     }
 }
 
@@ -53,34 +38,8 @@ fn plain_tables_have_the_same_keys() {
 fn every_kind_has_the_same_keys() {
     let tables: [(&str, &[TableKind]); 3] = [("mesh", meshes::KINDS), ("set", sets::KINDS), ("law", LAWS)];
     for (table, kinds) in tables {
-        let schema = schema();
-        let variants = schema.pointer(&format!("/$defs/{table}/oneOf")).and_then(Value::as_array).unwrap();
-        assert_eq!(variants.len(), kinds.len());
-        for (n, kind) in kinds.iter().enumerate() {
-            assert_eq!(variants[n]["properties"]["kind"]["const"], kind.name);
-            let keys: Vec<_> = ["kind"].iter().chain(kind.keys).copied().collect();
-            same(keys_at(&format!("/$defs/{table}/oneOf/{n}/properties")), &keys);
-        }
+        schema().has_kinds(table, "kind", kinds);
     }
-}
-
-/// A structure file in the form that the schema's validator takes.
-fn as_json(text: &str) -> Value {
-    fn convert(value: &DeValue<'_>) -> Value {
-        match value {
-            DeValue::String(s) => s.as_ref().into(),
-            DeValue::Integer(i) => i.as_str().parse::<i64>().unwrap().into(),
-            DeValue::Float(f) => f.as_str().parse::<f64>().unwrap().into(),
-            DeValue::Boolean(b) => (*b).into(),
-            DeValue::Array(a) => a.iter().map(|v| convert(v.get_ref())).collect(),
-            DeValue::Table(t) => {
-                t.iter().map(|(k, v)| (k.get_ref().to_string(), convert(v.get_ref()))).collect()
-            }
-            DeValue::Datetime(d) => d.to_string().into(),
-        }
-    }
-    let table = DeTable::parse(text).unwrap();
-    table.get_ref().iter().map(|(k, v)| (k.get_ref().to_string(), convert(v.get_ref()))).collect()
 }
 
 const GOOD: &str = "\
@@ -121,7 +80,7 @@ fn read(text: &str) -> Result<StructureFile, crate::InputError> {
 
 #[test]
 fn shipped_and_other_good_files_are_valid() {
-    let validator = jsonschema::validator_for(&schema()).unwrap();
+    let validator = schema().validator();
     let variants = [
         ("density = 1", "density = 1\n[elements]\nformulation = 'displacement'\nmass = 'lumped'"),
         ("young = 1e6", "elements = 'block'\nyoung = 1e6"),
@@ -145,7 +104,7 @@ fn shipped_and_other_good_files_are_valid() {
 
 #[test]
 fn what_the_schema_refuses_the_reader_refuses() {
-    let validator = jsonschema::validator_for(&schema()).unwrap();
+    let validator = schema().validator();
     let bad = [
         ("kind = 'block'", "kind = 'brick'"),
         ("kind = 'block'", "kind = 'block'\npath = 'a.msh'"),
