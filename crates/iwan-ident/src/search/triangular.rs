@@ -2,7 +2,7 @@
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::qr::no_pivoting::factor as qr;
-use faer::{Mat, MatMut, Par, Spec};
+use faer::{Col, Mat, MatMut, Par, Spec};
 use iwan_machine::memory::is_address_space_bounded;
 use nalgebra::DMatrix;
 
@@ -17,9 +17,17 @@ pub(crate) fn triangular(mut matrix: DMatrix<f64>) -> DMatrix<f64> {
     let mut buffer = MemBuffer::new(qr::qr_in_place_scratch::<f64>(rows, columns, block, Par::Seq, spec));
     let stack = MemStack::new(&mut buffer);
     qr::qr_in_place(blocked(&mut matrix), coefficients.as_mut(), Par::Seq, stack, spec);
+    put_wide_registers_away();
     let mut factor = matrix.resize_vertically(rows.min(columns), 0.0);
     factor.fill_lower_triangle(0.0, 1);
     factor
+}
+
+/// The reflections leave the upper halves of the processor's wide registers in use (faer 0.24; products, Cholesky and LU factors do not). Every call of
+/// the C library's exp, sin or log takes thirty times as long from then on, and so did ring-downs between two factorisations. A norm ends with the
+/// instruction that puts the registers away.
+fn put_wide_registers_away() {
+    std::hint::black_box(Col::<f64>::full(16, 1.0).norm_l2());
 }
 
 /// The view of a matrix that blocked factorisations take. For a dozen records matrices have several hundred rows and columns, where blocked
