@@ -27,6 +27,10 @@ pub(super) const OWN: usize = 3;
 /// Bound, to either side, of ln of a record's own frequency over that of its windows: a joint that softens by a third hides as much of the frequency
 /// at rest.
 const OWN_FREQUENCY: f64 = 0.5;
+/// Bound, to either side, of ln of the mode's frequency at small amplitude over that of the windows: a factor of four, twice what a joint of three
+/// times the residual stiffness can hide. An interval of the frequency that reaches it is open. Without it the walk along the frequency of a record that
+/// no joint tells went on to a thousand times the frequency, where a ring-down has a thousand times as many half cycles: a fit of a second took minutes.
+const FARTHEST_FREQUENCY: f64 = 1.4;
 /// Place of that frequency among the unknowns of a record.
 pub(super) const DAY: usize = 2;
 /// Relative reduction of the sum of squares at which all searches but the last end: enough to tell which valley (local minimum along the knee) is the
@@ -236,7 +240,12 @@ impl Task {
 
     pub(crate) fn bounds(&self) -> Vec<(f64, f64)> {
         let own = [(-3.0, 3.0), (-0.5 * PI, 0.5 * PI), (-OWN_FREQUENCY, OWN_FREQUENCY)];
-        Chart::bounds().into_iter().chain(self.records.iter().flat_map(|_| own)).collect()
+        let mut shared = Chart::bounds();
+        if let (Some(j), Some(record)) = (self.chart.index(Parameter::Frequency), self.records.first()) {
+            let ln_frequency = (record.windows.omega / TAU).ln();
+            shared[j] = (ln_frequency - FARTHEST_FREQUENCY, ln_frequency + FARTHEST_FREQUENCY);
+        }
+        shared.into_iter().chain(self.records.iter().flat_map(|_| own)).collect()
     }
 
     pub(crate) fn coordinates(&self, parameters: &Parameters) -> Result<Vec<f64>, Error> {
