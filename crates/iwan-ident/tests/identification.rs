@@ -421,13 +421,14 @@ fn two_and_a_half_samples_a_cycle_are_enough() {
 #[test]
 fn records_without_noise_through_macro_slip_close_no_wrong_interval() {
     // Numbers of the softening records that `scripts/validate` draws.
-    for number in [12, 149, 169] {
+    for number in [12, 22, 25, 149, 169] {
         let MadeRecord { truth, dt, samples } = softening(number).unwrap();
         let found = identified(&[samples], dt);
         for parameter in Parameter::ALL {
             let (profile, value) = (found.profile(parameter), truth.get(parameter));
-            // In the other records the windows alone do not distinguish two knees.
-            assert!(number > 12 || profile.low.is_some() && profile.high.is_some(), "{parameter:?} is open");
+            // In 149 and 169 the windows alone do not distinguish two knees. In 12 the interval is of 1e-4 or open, as the last digits of the search fall.
+            let is_told = ![22, 25].contains(&number) || profile.low.is_some() && profile.high.is_some();
+            assert!(is_told, "{number}: {parameter:?} is open");
             holds(&found, &truth, parameter);
             let off = (found.parameters.get(parameter) / value - 1.0).abs();
             // The first samples of number 149, ten a cycle, determine its knee only to half a per cent; the intervals are open.
