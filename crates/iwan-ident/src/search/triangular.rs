@@ -1,4 +1,4 @@
-//! Triangular factors of matrices by blocked Householder reflections. They are a quarter of the time of a joint fit if they are made column by column.
+//! Triangular factors of matrices by blocked Householder reflections.
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::qr::no_pivoting::factor as qr;
