@@ -192,7 +192,9 @@ pub fn dominant_shape(channels: &[&[f64]]) -> Result<DominantShape, Error> {
         channels.iter().map(|x| product(x, &record)).collect()
     });
     let largest = shape.iter().copied().fold(0.0, |m: f64, v| if v.abs() > m.abs() { v } else { m });
-    shape.iter_mut().for_each(|v| *v *= largest.signum());
+    for v in &mut shape {
+        *v *= largest.signum();
+    }
     Ok(DominantShape { shape, share: energy / total })
 }
 
@@ -217,7 +219,9 @@ fn dominant_eigenvector(size: usize, times: impl Fn(&[f64]) -> Vec<f64>) -> (f64
     let mut directions: Vec<Vec<f64>> = Vec::new();
     let mut projected = DMatrix::zeros(0, 0);
     loop {
-        next.iter_mut().for_each(|v| *v /= beta);
+        for v in &mut next {
+            *v /= beta;
+        }
         let k = directions.len();
         directions.push(next);
         let mut image = times(&directions[k]);

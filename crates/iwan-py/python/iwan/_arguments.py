@@ -58,6 +58,11 @@ def by_name(name: str, given: Any, kind: type[_Of], alone: str) -> dict[str, _Of
     return {str(key): instance(f"{name}[{key!r}]", one, kind) for key, one in given.items()}
 
 
+def shown(number: int) -> str:
+    """A whole number for a message; a long one is not written out."""
+    return str(number) if abs(number) < 10**20 else "a number with more than 20 digits"
+
+
 def count(name: str, given: Any) -> int:
     """A whole number, at least 1."""
     try:
@@ -65,7 +70,7 @@ def count(name: str, given: Any) -> int:
     except TypeError as error:
         raise InvalidTypeError(f"{name} must be a whole number, not {type(given).__name__}") from error
     if number < 1:
-        raise InvalidValueError(f"{name} = {number} is out of range: at least 1")
+        raise InvalidValueError(f"{name} = {shown(number)} is out of range: at least 1")
     return number
 
 

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from iwan._arguments import shown
 from iwan._native import Record
 from iwan.errors import InvalidValueError
 from iwan.records import as_record
@@ -64,7 +65,7 @@ def stretches(
             continue
         number = 1 if hits == "first" else int(hits)
         if number > len(found):
-            raise InvalidValueError(f"{place}there is no hit {number} ({len(found)} found): choose hits='all', 'first', or one of those")
+            raise InvalidValueError(f"{place}there is no hit {shown(number)} ({len(found)} found): choose hits='all', 'first', or one of those")
         used.append(found[number - 1])
     return Stretches(used, notes)
 
