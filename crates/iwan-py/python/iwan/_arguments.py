@@ -67,7 +67,7 @@ def count(name: str, given: Any) -> int:
     """A whole number, at least 1."""
     try:
         number = operator.index(given)
-    except TypeError as error:
+    except Exception as error:  # whatever a foreign object raises
         raise InvalidTypeError(f"{name} must be a whole number, not {type(given).__name__}") from error
     if number < 1:
         raise InvalidValueError(f"{name} = {shown(number)} is out of range: at least 1")

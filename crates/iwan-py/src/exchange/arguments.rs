@@ -1,7 +1,5 @@
 //! What the command line calls options, in messages of the libraries, as arguments of the function of Python that was called.
 
-use iwan_machine::{brief, harmless};
-
 /// Whose arguments a message names.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Call {
@@ -57,8 +55,7 @@ const NAMES: [(Option<Call>, &str, &str); 13] = [
 const FLAGS: [&str; 3] = ["force", "resample", "undamped"];
 
 /// A text with arguments in place of options: `--mode HZ` is `mode=`, `--mode 93.2` is `mode=93.2`, `--force` is `force=True`. Options
-/// are looked for behind a blank or a bracket, so that names that users gave, which stand in quotes, stay as they are. Of long numbers and
-/// lines only the ends are left, and what a terminal would obey is written as its code.
+/// are looked for behind a blank or a bracket, so that names that users gave, which stand in quotes, stay as they are.
 pub(crate) fn in_python(text: &str, call: Call) -> String {
     let meant = |of: &Option<Call>| of.is_none_or(|of| of == call);
     let phrases = PHRASES.iter().filter(|(of, ..)| meant(of));
@@ -86,7 +83,7 @@ pub(crate) fn in_python(text: &str, call: Call) -> String {
         (rest, behind_option) = (value(after, &mut out), true);
     }
     out.push_str(rest);
-    harmless(&brief(&out)).into()
+    out
 }
 
 /// What follows an option without its value: a number and a name in quotes are put to the argument, a word in capitals stands for a value

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use iwan_input::InputError;
 use iwan_io::atomic::WriteError;
 use iwan_io::{ReadError, RecordError};
-use iwan_machine::Kind;
+use iwan_machine::{Kind, brief, harmless};
 use iwan_sim::SimulationError;
 use pyo3::prelude::*;
 
@@ -31,25 +31,30 @@ pub(crate) fn of(kind: Kind, error: PyErr) -> PyErr {
     error
 }
 
+/// A message in the words of Python: of long numbers and lines only the ends are left, and what a terminal would obey is written as its code.
+fn said(message: &str, call: Call) -> String {
+    harmless(&brief(&in_python(message, call))).into()
+}
+
 /// The exception for a bad value: `iwan.InvalidValueError`.
 pub(crate) fn value(message: impl Into<String>) -> PyErr {
-    python::InvalidValueError::new_err(in_python(&message.into(), Call::Other))
+    python::InvalidValueError::new_err(said(&message.into(), Call::Other))
 }
 
 /// A bad value that a call of its own kind was given.
 pub(crate) fn value_of(call: Call, message: &str) -> PyErr {
-    value(in_python(message, call))
+    value(said(message, call))
 }
 
 /// A warning of Python's: `UserWarning`.
 pub(crate) fn warn(py: Python<'_>, message: &str) -> PyResult<()> {
-    let message = std::ffi::CString::new(in_python(message, Call::Other))?;
+    let message = std::ffi::CString::new(said(message, Call::Other))?;
     PyErr::warn(py, &py.get_type::<pyo3::exceptions::PyUserWarning>(), &message, 1)
 }
 
 /// The exception for a computation that failed: `iwan.ComputationError`.
 pub(crate) fn computation(message: String) -> PyErr {
-    python::ComputationError::new_err(in_python(&message, Call::Other))
+    python::ComputationError::new_err(said(&message, Call::Other))
 }
 
 /// The exception for too little memory: `iwan.ComputationError`.
@@ -59,7 +64,7 @@ pub(crate) fn lacking(short: &iwan_machine::memory::Short) -> PyErr {
 
 /// The exception for an invalid record: `iwan.RecordError`.
 pub(crate) fn record(message: String) -> PyErr {
-    python::RecordError::new_err(in_python(&message, Call::Other))
+    python::RecordError::new_err(said(&message, Call::Other))
 }
 
 /// Values that do not make a record: `iwan.InvalidValueError`.
@@ -113,7 +118,7 @@ pub(crate) fn simulation_at(place: &str, error: SimulationError) -> PyErr {
 
 /// The exception for records from which the wanted result cannot be found: `iwan.IdentificationError`.
 pub(crate) fn identification_failed(message: String) -> PyErr {
-    python::IdentificationError::new_err(in_python(&message, Call::Other))
+    python::IdentificationError::new_err(said(&message, Call::Other))
 }
 
 /// An error of iwan-ident.
@@ -129,7 +134,7 @@ pub(crate) fn identification_at(call: Call, record: usize, error: iwan_ident::Er
 /// An error of iwan-ident at a `place`, in the words of a call.
 pub(crate) fn identification_of(call: Call, place: &str, error: iwan_ident::Error) -> PyErr {
     use iwan_ident::Error::{Refused, TooShort};
-    let (message, kind) = (in_python(&format!("{place}{error}"), call), error.kind());
+    let (message, kind) = (said(&format!("{place}{error}"), call), error.kind());
     let error = match error {
         Refused { .. } | TooShort { .. } => identification_failed(message),
         _ => value(message),
@@ -139,7 +144,7 @@ pub(crate) fn identification_of(call: Call, place: &str, error: iwan_ident::Erro
 
 /// An error of the reader of records.
 pub(crate) fn reading(call: Call, error: &ReadError) -> PyErr {
-    let message = in_python(&error.to_string(), call);
+    let message = said(&error.to_string(), call);
     let ReadError::Io { file, source } = error else {
         return of(error.kind(), python::RecordError::new_err(message));
     };
@@ -161,7 +166,7 @@ const EEXIST: i32 = 17;
 
 /// An error of the writer of files.
 pub(crate) fn writing(error: &WriteError) -> PyErr {
-    let message = in_python(&error.to_string(), Call::Other);
+    let message = said(&error.to_string(), Call::Other);
     let exception = match error {
         WriteError::Exists { path } => python::ExistingFileError::new_err((EEXIST, message, path.clone())),
         WriteError::Io { path, source, .. } => file_error(source, message, path.clone()),
@@ -181,7 +186,7 @@ pub(crate) fn missing_file(path: &Path, error: &std::io::Error) -> PyErr {
 
 /// A structure that cannot be computed with: `iwan.StructureError`.
 fn structure(message: &str) -> PyErr {
-    python::StructureError::new_err(in_python(message, Call::Other))
+    python::StructureError::new_err(said(message, Call::Other))
 }
 
 /// What is wrong in a structure file; `place` where the message does not name it.
