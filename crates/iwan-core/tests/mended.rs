@@ -305,4 +305,7 @@ fn decays_begin_within_what_a_double_resolves() {
         let error = begun(start).unwrap_err().to_string();
         assert!(error.contains(name) && error.contains("1e12 times"), "{error}");
     }
+    for start in [Motion::held_at(f64::NAN), Motion { displacement: 0.0, velocity: f64::INFINITY }] {
+        assert!(begun(start).unwrap_err().to_string().contains("a finite number"), "{start:?}");
+    }
 }

@@ -361,6 +361,8 @@ def test_a_window_that_the_header_names_leaves_no_parameter_told(tmp_path):
         (tmp_path / f"{kind}.uff").write_text(f"{head}{2:>10}{3000:>10}{1:>10}  0.00000E+00  5.00000E-04  0.00000E+00\n{axes}{samples}\n    -1\n{qualifiers}")
     plain, windowed = (iwan.read_record(tmp_path / f"{kind}.uff") for kind in (0, 4))
     assert np.array_equal(plain.samples, windowed.samples) and "exponential" in windowed.warnings[0]
+    told = [any("as its file says" in note for note in iwan.envelope(record).notes) for record in (plain, windowed)]
+    assert told == [False, True]
     free, bound = iwan.fit(plain), iwan.fit(pickle.loads(pickle.dumps(windowed.between(stop=1.4))))
     assert abs(free.intervals["frequency"][1] - 100.0) < 0.05
     assert bound.intervals["frequency"][1] is None and any("as its file says" in note for note in bound.notes), bound.notes

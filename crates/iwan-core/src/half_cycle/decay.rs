@@ -176,10 +176,22 @@ impl<'a, B: Backbone, S: AsRef<[Reversal]> + AsMut<[Reversal]>> Decay<'a, B, S> 
         let q = joint.displacement(&memory);
         let farthest = FARTHEST * law.strengths().1;
         let fastest = farthest * libm::sqrt(map.k_inf);
-        for (name, value, limit) in [("displacement", q, farthest), ("velocity", velocity, fastest)] {
-            let allowed = "a free decay begins within 1e12 times the displacement of macro-slip; \
-                       lower the force or check the joint";
-            crate::error::check(name, value, value.abs() <= limit, allowed)?;
+        let ranges = [
+            (
+                "displacement",
+                q,
+                farthest,
+                "a finite number, at most 1e12 times the displacement of macro-slip: lower the force or check the joint",
+            ),
+            (
+                "velocity",
+                velocity,
+                fastest,
+                "a finite number, at most that of a swing of 1e12 times the displacement of macro-slip: lower the force or check the joint",
+            ),
+        ];
+        for (name, value, limit, allowed) in ranges {
+            crate::error::check(name, value, libm::fabs(value) <= limit, allowed)?;
         }
         let stored = joint.stored_energy(&memory);
         let now = Moment { time: 0.0, q, v: velocity };
@@ -355,9 +367,9 @@ struct Crossing {
     rate: f64,
 }
 
-/// Largest start of a free decay, as a multiple of the displacement at which the last slider slips. A half cycle in macro-slip shortens the
-/// amplitude by some multiple of that displacement, so that 1e12 times it leaves four digits of the loss in a double; beyond 1e16 the loss
-/// is below the rounding of the amplitude, and the decay would never end. Farther starts are refused.
+/// Largest start of a free decay, as a multiple of the displacement φ_max at which the last slider slips. A half cycle in macro-slip takes
+/// 2 F_S/K_∞ off the amplitude (the area of the loop over the stiffness), which is at most 2 K_T/K_∞ φ_max: of 1e12 φ_max that leaves four
+/// digits in a double, for K_T of the size of K_∞, and of 1e16 φ_max none, so that the decay would never end. Farther starts are refused.
 const FARTHEST: f64 = 1e12;
 
 /// Number of steps after which a motion without reversal counts as creeping, and the decay ends. At [`LONGEST_ANGLE`] they are 50,000 rad,

@@ -210,7 +210,7 @@ const MOST_DIRECTIONS: usize = 200;
 const SETTLED: f64 = 1e-14;
 
 /// Largest eigenvalue of a positive semi-definite matrix of `size` rows, with its eigenvector of unit length, from products with the matrix
-/// alone (Lanczos, orthogonalised against all directions so far). Thousands of channels of thousands of samples need no matrix of all pairs.
+/// alone (C. Lanczos, J. Res. Natl. Bur. Stand. 45:255, 1950, doi:10.6028/jres.045.026, orthogonalised against all directions so far). Thousands of channels of thousands of samples need no matrix of all pairs.
 fn dominant_eigenvector(size: usize, times: impl Fn(&[f64]) -> Vec<f64>) -> (f64, Vec<f64>) {
     // A start that is not orthogonal to the answer, whatever the channels: of random values, the same in every run.
     let mut random = iwan_core::SplitMix64::new(1);

@@ -29,7 +29,7 @@ pub(super) const OWN: usize = 3;
 const OWN_FREQUENCY: f64 = 0.5;
 /// Bound, to either side, of ln of the mode's frequency at small amplitude over that of the windows: a factor of four, twice what a joint of three
 /// times the residual stiffness can hide. An interval of the frequency that reaches it is open. Without it the walk along the frequency of a record that
-/// no joint tells went on to a thousand times the frequency, where a ring-down has a thousand times as many half cycles: a fit of a second took minutes.
+/// no joint tells went on to a thousand times the frequency, where a ring-down has a thousand times as many half cycles: the fit took seventeen times as long.
 const FARTHEST_FREQUENCY: f64 = 1.4;
 /// Place of that frequency among the unknowns of a record.
 pub(super) const DAY: usize = 2;

@@ -40,8 +40,8 @@ const LITTLE_DAMPING: f64 = 1e-9;
 /// A search that began with a neighbour's derivatives ends without new ones where these foretell less than this part of the reduction at which a
 /// search ends: a third of what the search may leave anyway. A judgement.
 const FORETOLD: f64 = 0.3;
-/// Number of unknowns from which on triangular factors are made by blocks: fits of a dozen records have fifty, and factors made column by column were a
-/// fifth of their time. For the dozen unknowns of one record or a law there is nothing to gain.
+/// Number of unknowns from which on triangular factors are made by blocks: fits of a dozen records have fifty, and factors made column by column were
+/// more than a tenth of their time. For the dozen unknowns of one record or a law they are less than a hundredth.
 const BLOCKED: usize = 24;
 /// Longest step of a coordinate in one iteration: a factor of e for logarithms, beyond which a linearisation says nothing. Longer steps are cut to
 /// it.

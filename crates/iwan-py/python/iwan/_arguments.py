@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import operator
 import os
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
@@ -56,22 +55,6 @@ def by_name(name: str, given: Any, kind: type[_Of], alone: str) -> dict[str, _Of
     if not isinstance(given, Mapping):
         raise InvalidTypeError(f"{name} must be an iwan.{kind.__name__} or a mapping of them by name, not {type(given).__name__}")
     return {str(key): instance(f"{name}[{key!r}]", one, kind) for key, one in given.items()}
-
-
-def shown(number: int) -> str:
-    """A whole number for a message; a long one is not written out."""
-    return str(number) if abs(number) < 10**20 else "a number with more than 20 digits"
-
-
-def count(name: str, given: Any) -> int:
-    """A whole number, at least 1."""
-    try:
-        number = operator.index(given)
-    except Exception as error:  # whatever a foreign object raises
-        raise InvalidTypeError(f"{name} must be a whole number, not {type(given).__name__}") from error
-    if number < 1:
-        raise InvalidValueError(f"{name} = {shown(number)} is out of range: at least 1")
-    return number
 
 
 def path(name: str, given: Any) -> Path:

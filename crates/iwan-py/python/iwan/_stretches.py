@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from iwan._arguments import shown
+from iwan import _native
 from iwan._native import Record
 from iwan.errors import InvalidValueError
 from iwan.records import as_record
@@ -63,9 +63,9 @@ def stretches(
         if hits == "all":
             used.extend(found)
             continue
-        number = 1 if hits == "first" else int(hits)
+        number = 1 if hits == "first" else _native._whole("hits", hits)
         if number > len(found):
-            raise InvalidValueError(f"{place}there is no hit {shown(number)} ({len(found)} found): choose hits='all', 'first', or one of those")
+            raise InvalidValueError(f"{place}there is no hit {number} ({len(found)} found): choose hits='all', 'first', or one of those")
         used.append(found[number - 1])
     return Stretches(used, notes)
 

@@ -9,7 +9,6 @@ from numpy.typing import ArrayLike
 
 from iwan import _native
 from iwan._arguments import items as items_of
-from iwan._arguments import shown
 from iwan._native import Joint, Mode, Pulse, Response
 from iwan.errors import InvalidTypeError, InvalidValueError
 from iwan.steady import Backbone, SteadyResponse, asked
@@ -185,7 +184,7 @@ class CoupledModes:
             raise InvalidValueError(f"mode = '{mode}' is not known: choose one of {', '.join(names)}")
         number = names.index(mode) if isinstance(mode, str) else _native._whole("mode", mode)
         if number >= len(names):
-            raise InvalidValueError(f"mode = {shown(number)} is out of range: must be from 0 to {len(names) - 1}")
+            raise InvalidValueError(f"mode = {number} is out of range: must be from 0 to {len(names) - 1}")
         return Backbone(**_native._backbone_coupled(self.modes, self._joints(), number, amplitude, harmonics))
 
     def _joints(self) -> list[tuple[str, Joint, Sequence[float], list[float], float]]:

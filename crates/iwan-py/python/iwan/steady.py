@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, overload
 from numpy.typing import ArrayLike
 
 from iwan import _native
-from iwan._arguments import count, instance, items
+from iwan._arguments import instance, items
 from iwan._native import Mode
 from iwan.errors import InvalidTypeError, InvalidValueError
 from iwan.types import Array, Pair
@@ -313,8 +313,8 @@ def backbone(
     if (whole := _whole(mode)) is not None:
         if "of" in options:
             options["mode"] = options.pop("of")
-        if threads is not None:
-            count("threads", threads)
+        if threads is not None and _native._whole("threads", threads) < 1:
+            raise InvalidValueError("threads = 0 is out of range: at least 1, or None for all cores")
         return whole.backbone(amplitude=amplitude, harmonics=harmonics, **options)  # type: ignore[arg-type]
     if options:
         raise InvalidTypeError(f"{', '.join(options)}: these are options of structures, and modes have none of them")

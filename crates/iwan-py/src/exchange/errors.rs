@@ -43,7 +43,7 @@ pub(crate) fn value(message: impl Into<String>) -> PyErr {
 
 /// A bad value that a call of its own kind was given.
 pub(crate) fn value_of(call: Call, message: &str) -> PyErr {
-    value(said(message, call))
+    value(in_python(message, call))
 }
 
 /// A warning of Python's: `UserWarning`.
@@ -134,7 +134,7 @@ pub(crate) fn identification_at(call: Call, record: usize, error: iwan_ident::Er
 /// An error of iwan-ident at a `place`, in the words of a call.
 pub(crate) fn identification_of(call: Call, place: &str, error: iwan_ident::Error) -> PyErr {
     use iwan_ident::Error::{Refused, TooShort};
-    let (message, kind) = (said(&format!("{place}{error}"), call), error.kind());
+    let (message, kind) = (in_python(&format!("{place}{error}"), call), error.kind());
     let error = match error {
         Refused { .. } | TooShort { .. } => identification_failed(message),
         _ => value(message),

@@ -215,8 +215,8 @@ pub(crate) fn envelope(
         (Some(mode), None, None) => Some(band_of_mode(record, dt, channel, mode)?),
         _ => return Err(value("mode goes without band and near: give one of them")),
     };
-    let options =
-        Options { band, near, filter_order, window: window.map(Into::into), order, windowed: false };
+    let window = window.map(Into::into);
+    let options = Options { band, near, filter_order, window, order, ..Options::default() };
     let modal = one(record, dt, channel, &options)?;
     let made = work::run(record.py(), true, move |_| of_modal(modal, method, &options))?;
     made.map_err(|error| identification_of(Call::Envelope, "", error))
@@ -243,7 +243,7 @@ pub(crate) fn _envelopes(
 ) -> PyResult<Vec<Envelope>> {
     let (method, threads) = (method_named(method)?, thread_count(threads)?);
     let (band, window) = (band.map(Into::into), window.map(Into::into));
-    let options = Options { band, near, filter_order, window, order, windowed: false };
+    let options = Options { band, near, filter_order, window, order, ..Options::default() };
     let channels = records.iter().map(|record| one(record, dt, channel, &options));
     let channels = channels.collect::<PyResult<Vec<_>>>()?;
     let made = work::watched(py, progress, move |control| {
@@ -256,8 +256,8 @@ pub(crate) fn _envelopes(
 
 /// The envelope of a mode, with the disturbances of its record among the notes.
 fn of_modal(modal: Modal, method: Method, options: &Options) -> Result<Envelope, iwan_ident::Error> {
-    let Modal { samples, dt, start, notes, quantity, .. } = modal;
-    let mut envelope = signal::envelope(&samples, dt, method, options)?;
+    let Modal { samples, dt, start, notes, quantity, windowed, .. } = modal;
+    let mut envelope = signal::envelope(&samples, dt, method, &Options { windowed, ..*options })?;
     let mut before = notes;
     if options.window.is_none() {
         let seen = signal::overview(std::slice::from_ref(&samples), dt);

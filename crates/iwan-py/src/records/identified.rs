@@ -71,7 +71,7 @@ impl Request<'_> {
         let held = self.hold.0.iter().map(parameter).collect::<PyResult<Vec<_>>>()?;
         let Self { near, filter_order, order, .. } = *self;
         let (band, window) = (self.band.map(Into::into), self.window.map(Into::into));
-        let options = Options { band, near, filter_order, window, order, windowed: false };
+        let options = Options { band, near, filter_order, window, order, ..Options::default() };
         Ok(Settings { options, method: method_named(&self.method)?, held })
     }
 
