@@ -85,9 +85,7 @@ impl<'a, B: Backbone, S: AsRef<[Reversal]> + AsMut<[Reversal]>> Decay<'a, B, S> 
         start: Motion,
         stack: S,
     ) -> Result<Self, Error> {
-        let joint = Continuum::new(law);
-        let mut memory = joint.virgin(stack)?;
-        joint.advance(&mut memory, start.displacement);
+        let memory = pulled(law, Continuum::new(law).virgin(stack)?, start.displacement)?;
         Self::from_memory(oscillator, law, load, memory, start.velocity)
     }
 
@@ -120,9 +118,7 @@ impl<'a, B: Backbone, S: AsRef<[Reversal]> + AsMut<[Reversal]>> Decay<'a, B, S> 
         start: Motion,
         stack: S,
     ) -> Result<Self, Error> {
-        let joint = Continuum::new(law);
-        let mut memory = joint.virgin(stack)?;
-        joint.advance(&mut memory, start.displacement);
+        let memory = pulled(law, Continuum::new(law).virgin(stack)?, start.displacement)?;
         Self::with_map(Map::new(oscillator, law, 0.0, Some(tables))?, *oscillator, memory, start.velocity)
     }
 
@@ -160,8 +156,7 @@ impl<'a, B: Backbone, S: AsRef<[Reversal]> + AsMut<[Reversal]>> Decay<'a, B, S> 
     /// [`Error::OutOfRange`] when a value is not finite or lies beyond what [`new`](Self::new) allows.
     pub fn anew(self, start: Motion) -> Result<Self, Error> {
         let law = self.map.law;
-        let mut memory = self.memory.into_virgin(law.initial_stiffness());
-        self.joint.advance(&mut memory, start.displacement);
+        let memory = pulled(law, self.memory.into_virgin(law.initial_stiffness()), start.displacement)?;
         Self::with_map(self.map, self.oscillator, memory, start.velocity)
     }
 
@@ -360,6 +355,17 @@ const LONGEST_ANGLE: f64 = 0.05;
 /// Shortest step that the tolerance may ask for, relative to the longest. Where rounding of the acceleration hides the error, steps would
 /// otherwise shrink without end; a step of this length is always accepted. Any value from 1e-8 to 1e-2 does.
 const SHORTEST: f64 = 1e-6;
+
+/// The memory of a virgin joint after it was loaded along its virgin curve up to `displacement`, which no comparison would refuse if it were no number.
+fn pulled<B: Backbone, S: AsRef<[Reversal]> + AsMut<[Reversal]>>(
+    law: &B,
+    mut memory: Reversals<S>,
+    displacement: f64,
+) -> Result<Reversals<S>, Error> {
+    crate::error::check("displacement", displacement, true, "must be a finite number")?;
+    Continuum::new(law).advance(&mut memory, displacement);
+    Ok(memory)
+}
 
 /// A function of the motion whose zero is sought, and its rate of change in time.
 struct Crossing {
