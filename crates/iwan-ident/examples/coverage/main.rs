@@ -5,11 +5,12 @@
 //! record's root mean square. `neighbours COUNT DB [band]`: the same beside one or two other modes at 1.05 to 3 times the frequency, as
 //! loud or up to thirty times less, all automatic or with a band about the mode. `repeats COUNT`: four hits of a specimen whose frequency strays by 0.3 % from
 //! hit to hit and whose damping by 3 %: how often the intervals hold the specimen's mean. `sliders`: README's mode cut into 20, 100 and 1000 sliders, under three blows, in records of three
-//! lengths. `FIRST` in the environment is the first seed.
+//! lengths. `digits COUNT [COPIES]`: the records of `softening` as they are and with other last digits. `FIRST` in the environment is the first seed.
 //! `scripts/validate` runs all of them; the last figures stand in the book's chapter on validation.
 
 #[path = "../../tests/law_records/in_noise.rs"]
 mod in_noise;
+mod last_digits;
 #[path = "../../tests/law_records/random.rs"]
 mod random;
 #[path = "../../tests/law_records/sliders.rs"]
@@ -139,10 +140,13 @@ fn main() {
             run(&name, seeds(count), |seed| neighbours(seed, db, banded));
         }
         (Some("repeats"), Some(count), _) => run("repeats", seeds(count), repeats),
+        (Some("digits"), Some(count), copies) => {
+            last_digits::run(seeds(count), copies.unwrap_or(1.0) as u64, softening);
+        }
         (Some("sliders"), ..) => run("sliders", 0..27, cut_into_sliders),
         _ => {
             eprintln!(
-                "usage: coverage softening COUNT | noise COUNT DB | neighbours COUNT DB [band] | repeats COUNT | sliders"
+                "usage: coverage softening COUNT | noise COUNT DB | neighbours COUNT DB [band] | repeats COUNT | sliders | digits COUNT [COPIES]"
             );
             std::process::exit(2);
         }

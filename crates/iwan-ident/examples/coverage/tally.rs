@@ -65,7 +65,7 @@ fn nearest<'a>(truths: &'a [Parameters], found: &Identification) -> Option<&'a P
     truths.iter().min_by(|a, b| off(a).total_cmp(&off(b)))
 }
 
-fn outcome(trial: &Trial) -> Result<Identification, Error> {
+pub(crate) fn outcome(trial: &Trial) -> Result<Identification, Error> {
     let record = |samples| ModeRecord { samples, dt: trial.dt, quantity: Quantity::Acceleration };
     let records: Vec<ModeRecord<'_>> = trial.records.iter().map(|r| record(r.as_slice())).collect();
     identify(&records, &trial.settings)
