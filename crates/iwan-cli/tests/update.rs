@@ -82,7 +82,7 @@ fn blows_give_the_joints_back() {
     let scenario = |amplitude: f64| {
         format!(
             "[structure]\nname = \"paper-a\"\nmodes = [\"bending-1\", \"bending-3\"]\n[force]\nkind = \"haversine\"\namplitude = {amplitude}\n\
-             duration = 1.6e-3\n[time]\nstep = 1e-5\nduration = 0.15\n"
+             duration = 1.6e-3\n[time]\nstep = 1e-5\nduration = 0.08\n"
         )
     };
     for amplitude in [30.0, 1000.0] {

@@ -194,7 +194,7 @@ fn no_law_is_named_for_a_tone_that_does_not_decay() {
 /// ratio and χ that missed the truth under quadratic damping and under a cubic spring.
 #[test]
 fn a_joint_with_something_beside_it_closes_no_wrong_interval() {
-    for (law, seed) in [("iwan-quadratic", 0), ("iwan-coulomb", 1), ("iwan-duffing", 2)] {
+    for (law, seed) in [("iwan-quadratic", 0), ("iwan-duffing", 2)] {
         let clean = ring_down(law, seed);
         let samples = noisy(&clean, 55.0, seed);
         let record = ModeRecord { samples: &samples, dt: clean.dt, quantity: Quantity::Displacement };

@@ -12,7 +12,7 @@ use iwan_study::update::{BlowTask, MeasuredBlow, UpdateTask, groups_that_move_al
 /// Sampling interval of the records, s, and steps of the computation in it.
 const DT: f64 = 2e-5;
 const FINER: usize = 8;
-const SAMPLES: usize = 10_001;
+const SAMPLES: usize = 6_001;
 
 fn beam(law: FourParameter) -> NamedModes {
     let mut structure = paper::structure(Configuration::A, 1).unwrap();
