@@ -117,7 +117,7 @@ fn check_words(summary: &Value) {
 /// Where no thread can be had: a stack of 100 TB is found nowhere. The responses of the laboratory's modal test panicked there, because they
 /// asked for the threads of a pool that nobody had started. The Python package computes the same numbers on two threads (`test_study.py`).
 #[test]
-fn the_papers_tables_and_figures_without_threads() {
+fn the_papers_tables_and_figures() {
     let place = folder("");
     let output = Command::new(assert_cmd::cargo::cargo_bin!("iwan"))
         .args("reproduce --json --quiet --out paper".split_whitespace())

@@ -143,7 +143,7 @@ fn what_memory_allows_holds_for_every_command() {
         SMALL.to_string() + "[sweep]\nfrom = 100.0\nto = 130.0\nforce = [1.0, 2.0]\npoints = 1000000\n";
     std::fs::write(place.path().join("sweep.toml"), sweep).unwrap();
     for (line, said) in [
-        ("modal h1.csv h2.csv --at a1 --band 60:480 --memory 20MB", "the analysis of "),
+        ("modal h1.csv h2.csv --at a1 --band 60:480 --memory 24MB", "the analysis of "),
         ("frf sweep.toml --memory 400MB", "points of steady responses"),
         ("backbone in.toml --points 100000 --memory 40MB", "points of backbones"),
         ("modes --memory 20MB", "needs about"),
