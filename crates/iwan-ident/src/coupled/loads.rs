@@ -38,9 +38,14 @@ pub(super) fn at_odds(task: &CoupledTask<'_>, opened: &Opened, reference: &Value
     }
     let shapes: Vec<Option<Vec<f64>>> =
         (0..count).map(|k| shapes_at_force(task, opened, reference, k..k + 1)).collect();
+    // Of two records either may be wrong: the second is then held against the first, and both are named.
+    let two = count == 2 && task.shape_at_force.is_none();
     let usual = |mode: usize| -> Option<f64> {
         if let Some(given) = task.shape_at_force {
             return Some(given[mode]);
+        }
+        if two {
+            return shapes[0].as_ref().map(|first| first[mode]);
         }
         let mut all: Vec<f64> = shapes.iter().flatten().map(|shape| shape[mode]).collect();
         all.sort_by(f64::total_cmp);
@@ -55,10 +60,14 @@ pub(super) fn at_odds(task: &CoupledTask<'_>, opened: &Opened, reference: &Value
         ratios.sort_by(f64::total_cmp);
         let (least, most) = (ratios[0], ratios[ratios.len() - 1]);
         let odd = most < 0.0 || least > OTHER_UNIT || (least > 0.0 && most < 1.0 / OTHER_UNIT);
-        let than = if task.shape_at_force.is_some() { "the shapes at the load" } else { "the other records" };
+        let (than, whose) = match task.shape_at_force {
+            Some(_) => ("the shapes at the load", "its force"),
+            None if two => (task.records[0].name.as_str(), "both forces"),
+            None => ("the other records", "its force"),
+        };
         odd.then(|| {
             format!(
-                "{}: it begins with {:.2} to {:.2} times the motion that its load makes by {than}: check the sign and the unit of its force",
+                "{}: it begins with {:.2} to {:.2} times the motion that its load makes by {than}: check the sign and the unit of {whose}",
                 task.records[k].name, least, most
             )
         })
