@@ -152,6 +152,7 @@ fn identification(
         in_parallel(&pairs, at_once(), &curves_of).into_iter().collect::<Result<Vec<_>, _>>()?;
     let linear = linear(&task, &minimum, &refined.parameters, &curves)?;
     let laws = laws::of_prepared(&prepared, Some(&refined.parameters));
+    let laws = laws.map(|laws| if refined.is_of_the_law() { laws.made_by("iwan") } else { laws });
     let speaks_against = laws.as_ref().is_ok_and(|laws| laws.speaks_against("iwan"));
     let against = outside_band(&prepared, &refined).into_iter().chain(left_over(refined.relative_residual));
     let extrapolation = Extrapolation::of(&curves, refined.parameters.frequency);

@@ -22,9 +22,6 @@ const AGREED: f64 = 0.1;
 /// Size of a discrepancy, as a standard deviation of ln D, that is expected before a record is seen and that searches begin with: dissipation of
 /// repeated hits differs by some per cent. Larger sizes count as less likely, by a factor of e for each multiple of this.
 const TYPICAL: f64 = 0.03;
-/// Relative residual below which a record counts as made by the law itself: exact steps of the law leave 1e-11 and less, twenty sliders in 24 cycles
-/// 2e-6, and Newmark's steps of a thousandth of a cycle 6e-8.
-const OF_THE_LAW: f64 = 1e-8;
 /// Part of dissipation by which a law without macro-slip may be off in a clean record. Joints of twenty sliders released at 0.1 to 0.8 times φ_max
 /// look like macro-slip, with gains in deviance of up to 26 where 5 % are allowed and half of that with 7 %. Records released at 2.3 times φ_max keep
 /// no larger gain; records released at eight times φ_max keep a gain of 14 in 24 cycles and some 250 in 240 cycles. Where a gain of 25 is asked for,
@@ -224,9 +221,9 @@ impl Task {
 
     /// The kind of clean records that these are; none where samples show noise and the minimum leaves it.
     pub(crate) fn clean(&self, minimum: &Minimum) -> Option<Clean> {
-        let residual = self.refined(minimum).relative_residual;
-        let clean = residual < CLEAN || self.records.iter().all(Windowed::is_without_noise);
-        clean.then_some(if residual < OF_THE_LAW { Clean::OfTheLaw } else { Clean::Nearly })
+        let refined = self.refined(minimum);
+        let clean = refined.relative_residual < CLEAN || self.records.iter().all(Windowed::is_without_noise);
+        clean.then_some(if refined.is_of_the_law() { Clean::OfTheLaw } else { Clean::Nearly })
     }
 
     /// The task for intervals of clean records, and its minimum next to `minimum`: what clean records cannot show widens their intervals all the

@@ -371,6 +371,7 @@ impl Task {
             discrepancy: self.discrepancy,
             converged: minimum.converged,
         }
+        .without_rounding()
     }
 }
 
