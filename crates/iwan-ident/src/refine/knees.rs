@@ -47,6 +47,11 @@ const PATIENCE: usize = 17;
 /// Largest K_T as a part of ω0² where K_T is chosen freely, so that K_∞ stays well positive.
 const MOST_JOINT: f64 = 0.9;
 
+/// Most rounds of hops over creases. A judgement: each round brings a record without noise nearer to the law's own parameters by one crease at least.
+const HOP_ROUNDS: usize = 4;
+/// Part of a sum of squares below which a round of hops must end for another one to follow: in a lower valley, not further down the same one.
+const DEEPER: f64 = 0.5;
+
 /// Most valleys of a sweep that are followed to their bottom: the deepest ones.
 const POLISHED: usize = 8;
 
@@ -236,13 +241,19 @@ impl Task {
         if self.knee().is_none() {
             return best;
         }
-        for step in hops {
-            for sign in [-1.0, 1.0] {
-                let found = self
-                    .at_knee(&[&best.x], best.x[KNEE] + sign * step, ROUGH, work)
-                    .filter(|m| m.cost < 4.0 * best.cost)
-                    .and_then(|m| self.minimise(&m.x, self.free(), FINE, work));
-                best = found.filter(|f| f.cost < best.cost).unwrap_or(best);
+        for _ in 0..HOP_ROUNDS {
+            let before = best.cost;
+            for step in hops {
+                for sign in [-1.0, 1.0] {
+                    let found = self
+                        .at_knee(&[&best.x], best.x[KNEE] + sign * step, ROUGH, work)
+                        .filter(|m| m.cost < 4.0 * best.cost)
+                        .and_then(|m| self.minimise(&m.x, self.free(), FINE, work));
+                    best = found.filter(|f| f.cost < best.cost).unwrap_or(best);
+                }
+            }
+            if best.cost > DEEPER * before {
+                break;
             }
         }
         best
