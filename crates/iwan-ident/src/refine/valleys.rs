@@ -155,7 +155,7 @@ impl Task {
 
     /// Whether so little is left at a minimum that its valley is narrower than any step of a scan, and other valleys lie far outside the limit.
     pub(crate) fn is_free_of_noise(&self, minimum: &Minimum) -> bool {
-        self.refined(minimum).relative_residual < CREASE
+        self.refined(minimum).relative_residual < CREASE || self.records.iter().all(Windowed::is_without_noise)
     }
 
     /// A minimum with its sum of squares by the present weights.
