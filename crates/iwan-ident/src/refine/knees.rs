@@ -184,7 +184,7 @@ impl Task {
     pub(crate) fn sweep(&self, best: &Minimum, limit: f64, tolerance: f64) -> Vec<Minimum> {
         let (mut knees, margin) = (self.knees(), best.cost + MARGIN * (limit - best.cost));
         let (high, low) = (knees[0], knees[knees.len() - 1]);
-        let all = self.is_free_of_noise(best);
+        let all = self.may_lie_beside_a_narrow_valley(best);
         if all {
             let between = knees.windows(2).map(|pair| 0.5 * (pair[0] + pair[1])).collect::<Vec<_>>();
             knees.extend(between);

@@ -155,7 +155,13 @@ impl Task {
 
     /// Whether so little is left at a minimum that its valley is narrower than any step of a scan, and other valleys lie far outside the limit.
     pub(crate) fn is_free_of_noise(&self, minimum: &Minimum) -> bool {
-        self.refined(minimum).relative_residual < CREASE || self.records.iter().all(Windowed::is_without_noise)
+        self.refined(minimum).relative_residual < CREASE
+    }
+
+    /// Whether a minimum may lie beside a narrow valley that is far deeper: little is left there, or the samples show no noise and something is left all
+    /// the same.
+    pub(super) fn may_lie_beside_a_narrow_valley(&self, minimum: &Minimum) -> bool {
+        self.is_free_of_noise(minimum) || self.records.iter().all(Windowed::is_without_noise)
     }
 
     /// A minimum with its sum of squares by the present weights.
@@ -176,7 +182,7 @@ impl Task {
         self.take_samples(&best.x, &mut work);
         self.weigh(&best.x, &mut work);
         best = self.minimise(&best.x, self.free(), FINE, &mut work).ok_or_else(no_ring_down)?;
-        if self.is_free_of_noise(&best) {
+        if self.may_lie_beside_a_narrow_valley(&best) {
             best = self.hop(best, &HOPS, &mut work);
             for _ in 0..SETTLING {
                 self.take_samples(&best.x, &mut work);
@@ -194,7 +200,7 @@ impl Task {
     /// The deepest valley along all knees, of which there are many for a record without noise.
     pub(super) fn deepest_of_all(&mut self, mut best: Minimum) -> Result<Minimum, Error> {
         for _ in 0..SETTLING {
-            if self.knee().is_none() || !self.is_free_of_noise(&best) {
+            if self.knee().is_none() || !self.may_lie_beside_a_narrow_valley(&best) {
                 break;
             }
             let sweep = self.sweep(&best, best.cost + self.count() as f64, FINE);
