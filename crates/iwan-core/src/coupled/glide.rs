@@ -1,7 +1,10 @@
 //! Fast time steps of up to four modes with one joint: all constants and the motion of the modes stay in registers.
 //!
 //! On sliders no Newton iteration is needed. On a straight piece of slope k the step Δs = Δs* - c ΔN with ΔN = (k - K) Δs is one product,
-//! Δs = Δs*/(1 + c (k - K)). Where a slider breaks loose or the motion turns round, the general step takes over.
+//! Δs = Δs*/(1 + c (k - K)). Where a slider breaks loose or the motion turns round, the population's memory says on which piece the step ends.
+//! Behind the load nothing is multiplied by its zeros: most samples of a ring-down lie there.
+
+use core::ops::Range;
 
 use super::joints::{JointsInMotion, OneJoint};
 use super::lanes::{LANES, Lanes, dot, groups};
@@ -40,8 +43,9 @@ struct Motion {
     q: Lanes,
     v: Lanes,
     mean: Lanes,
-    /// N at the present sample, and Δs* of the next step.
+    /// N at the present sample, its pull on each mode, and Δs* of the next step.
     missing: f64,
+    pull: Lanes,
     ahead: f64,
 }
 
@@ -60,13 +64,15 @@ struct Piece {
 }
 
 impl Motion {
-    fn of<S: AsRef<[Lanes]> + AsMut<[Lanes]>>(motion: &CoupledMotion<S>) -> Self {
+    fn of<S: AsRef<[Lanes]> + AsMut<[Lanes]>>(motion: &CoupledMotion<S>, c: &Constants) -> Self {
         let lanes = |row: &S| row.as_ref()[0];
+        let missing = motion.missing.as_ref()[0][0];
         Self {
             q: lanes(&motion.q),
             v: lanes(&motion.v),
             mean: lanes(&motion.mean),
-            missing: motion.missing.as_ref()[0][0],
+            missing,
+            pull: c.shape.map(|b| b * missing),
             ahead: motion.ahead.as_ref()[0][0],
         }
     }
@@ -93,32 +99,40 @@ impl Constants {
         }
     }
 
-    /// Completes the step to a sample with the load `p` as if N stayed constant, and begins the next step, at whose end the load is `next`.
+    /// Completes the step to a sample with the load `p` as if N stayed constant, and begins the next step, at whose end the load is `next`. `FREE`
+    /// where both loads are zero.
     #[inline]
-    fn held(&self, m: &Motion, [p, next]: [f64; 2]) -> Motion {
+    fn held<const FREE: bool>(&self, m: &Motion, [p, next]: [f64; 2]) -> Motion {
         let (mean, jump) = (0.5 * (p + next), next - p);
         let (mut to, mut way) = (*m, [0.0; LANES]);
         for (l, way) in way.iter_mut().enumerate() {
             to.q[l] = m.q[l] + self.step[l] * m.mean[l];
             to.v[l] = 2.0 * m.mean[l] - m.v[l];
-            let pull = self.stiffness[l] * to.q[l] + self.shape[l] * m.missing;
-            to.mean[l] = to.v[l] + (self.push[l] * (self.drive[l] * mean - pull) - self.drag[l] * to.v[l]);
+            let pull = self.stiffness[l] * to.q[l] + m.pull[l];
+            let moving = if FREE { -pull } else { self.drive[l] * mean - pull };
+            to.mean[l] = to.v[l] + (self.push[l] * moving - self.drag[l] * to.v[l]);
             *way = self.reach[l] * to.mean[l];
         }
-        to.ahead = ((way[0] + way[2]) + (way[1] + way[3])) + self.slip_at_force * jump;
+        to.ahead = (way[0] + way[2]) + (way[1] + way[3]);
+        if !FREE {
+            to.ahead += self.slip_at_force * jump;
+        }
         to
     }
 
-    /// Corrects that step for the change ΔN, and returns the accelerations under the load `p`.
+    /// Corrects that step for the change ΔN, and returns the accelerations under the load `p`, which is zero where
+    /// the motion is `FREE`.
     #[inline]
-    fn changed(&self, m: &mut Motion, change: f64, p: f64) -> Lanes {
+    fn changed<const FREE: bool>(&self, m: &mut Motion, change: f64, p: f64) -> Lanes {
         let mut acceleration = [0.0; LANES];
         for (l, acceleration) in acceleration.iter_mut().enumerate() {
             m.q[l] -= self.on_q[l] * change;
             m.v[l] -= self.on_v[l] * change;
             m.mean[l] -= self.on_mean[l] * change;
-            let pull = self.stiffness[l] * m.q[l] + self.shape[l] * m.missing;
-            *acceleration = self.load[l] * p - self.viscous[l] * m.v[l] - pull;
+            m.pull[l] = self.shape[l] * m.missing;
+            let pull = self.stiffness[l] * m.q[l] + m.pull[l];
+            let held_back = self.viscous[l] * m.v[l];
+            *acceleration = if FREE { -held_back - pull } else { self.load[l] * p - held_back - pull };
         }
         m.ahead -= self.on_ahead * change;
         acceleration
@@ -144,8 +158,9 @@ impl<S: AsRef<[Lanes]> + AsMut<[Lanes]>> CoupledModes<S> {
         }
         let samples = out.checked_len(self)?;
         self.begin(motion, &OneJoint::new(sliders, state), force, out);
-        let mut m = Motion::of(motion);
-        glide(&self.constants(), &mut m, (sliders, state), force, (samples, out));
+        let c = self.constants();
+        let mut m = Motion::of(motion, &c);
+        glide(&c, &mut m, (sliders, state), force, (samples, out));
         m.hand_back(motion);
         motion.read_joints(self, &OneJoint::new(sliders, state));
         Ok(())
@@ -166,14 +181,15 @@ impl<S: AsRef<[Lanes]> + AsMut<[Lanes]>> CoupledModes<S> {
             &mut out.acceleration[..samples],
         );
         let (slip, joint_force) = (&mut out.slip[..samples], &mut out.joint_force[..samples]);
-        let (c, mut m) = (self.constants(), Motion::of(motion));
+        let c = self.constants();
+        let mut m = Motion::of(motion, &c);
         for n in 1..samples {
             let (mut change, p) = ([0.0], force_at(force, n));
-            let mut to = c.held(&m, [p, force_at(force, n + 1)]);
+            let mut to = c.held::<false>(&m, [p, force_at(force, n + 1)]);
             joint.solve(self, &[m.ahead], &mut change)?;
             (slip[n], joint_force[n]) = (joint.slip(0), joint.force(0));
             to.missing = joint_force[n] - c.joint * slip[n];
-            a[n] = c.changed(&mut to, change[0], p);
+            a[n] = c.changed::<false>(&mut to, change[0], p);
             m = to;
             (q[n], v[n]) = (m.q, m.v);
         }
@@ -214,6 +230,15 @@ impl<S: AsRef<[Lanes]> + AsMut<[Lanes]>> CoupledModes<S> {
     }
 }
 
+/// The joint's population in motion: where it stands on its straight piece, and which way it goes.
+struct Standing<'a, 'b, R> {
+    sliders: &'a Sliders<'b>,
+    state: &'a mut Runs<R>,
+    piece: Piece,
+    direction: f64,
+    x: f64,
+}
+
 /// Computes the samples from the second on, with the joint on sliders.
 fn glide<R: AsRef<[Run]> + AsMut<[Run]>>(
     c: &Constants,
@@ -222,35 +247,59 @@ fn glide<R: AsRef<[Run]> + AsMut<[Run]>>(
     force: &[f64],
     (samples, out): (usize, &mut CoupledRows<'_>),
 ) {
+    let piece = c.piece(&state.segment(sliders.table()));
+    let (direction, x) = (state.direction(), state.displacement() - piece.anchor);
+    let mut joint = Standing { sliders, state, piece, direction, x };
+    let loaded = force.iter().rposition(|p| *p != 0.0).map_or(0, |last| last + 1);
+    let struck = loaded.clamp(1, samples);
+    steps::<false, R>(c, m, &mut joint, force, (1..struck, out));
+    steps::<true, R>(c, m, &mut joint, force, (struck..samples, out));
+    joint.state.rest_at(joint.piece.anchor + joint.x);
+}
+
+/// Samples in a range; `FREE` where no load acts any more.
+fn steps<const FREE: bool, R: AsRef<[Run]> + AsMut<[Run]>>(
+    c: &Constants,
+    m: &mut Motion,
+    joint: &mut Standing<'_, '_, R>,
+    force: &[f64],
+    (range, out): (Range<usize>, &mut CoupledRows<'_>),
+) {
     let inverse = 1.0 / c.coupling;
-    let (q, v, a) =
-        (&mut out.displacement[..samples], &mut out.velocity[..samples], &mut out.acceleration[..samples]);
-    let (slip, joint_force) = (&mut out.slip[..samples], &mut out.joint_force[..samples]);
-    let mut piece = c.piece(&state.segment(sliders.table()));
-    let (mut direction, mut x) = (state.direction(), state.displacement() - piece.anchor);
+    let from = range.start;
+    let (q, v, a) = (
+        &mut out.displacement[range.clone()],
+        &mut out.velocity[range.clone()],
+        &mut out.acceleration[range.clone()],
+    );
+    let (slip, joint_force) = (&mut out.slip[range.clone()], &mut out.joint_force[range.clone()]);
+    let Standing { sliders, state, piece, direction, x } = joint;
     let mut at = *m;
-    for n in 1..samples {
-        let p = force_at(force, n);
-        let mut to_come = c.held(&at, [p, force_at(force, n + 1)]);
+    for n in 0..q.len() {
+        let load = |n: usize| if FREE { 0.0 } else { force_at(force, from + n) };
+        let p = load(n);
+        let mut to_come = c.held::<FREE>(&at, [p, load(n + 1)]);
         let way = piece.gain * at.ahead;
-        let to = x + way;
-        let change = if direction * way >= 0.0 && direction * to <= piece.reach {
-            x = to;
+        let to = *x + way;
+        let change = if *direction * way >= 0.0 && *direction * to <= piece.reach {
+            *x = to;
             piece.yielding * at.ahead
         } else {
-            state.rest_at(piece.anchor + x);
-            let before = piece.base + piece.stiffness * x;
-            let way = sliders.solve(state, inverse - c.joint, inverse * at.ahead);
-            piece = c.piece(&state.segment(sliders.table()));
-            (direction, x) = (state.direction(), state.displacement() - piece.anchor);
-            (piece.base + piece.stiffness * x - before) - c.joint * way
+            state.rest_at(piece.anchor + *x);
+            let before = piece.base + piece.stiffness * *x;
+            let load = inverse * at.ahead;
+            let force = state.aim(sliders.table(), inverse - c.joint, load);
+            let segment = state.segment(sliders.table());
+            *piece = c.piece(&segment);
+            let way = c.coupling * piece.gain * (load - segment.gap(state.displacement(), force));
+            (*direction, *x) = (state.direction(), state.displacement() + way - piece.anchor);
+            (piece.base + piece.stiffness * *x - before) - c.joint * way
         };
-        to_come.missing = piece.held + piece.slope * x;
-        a[n] = c.changed(&mut to_come, change, p);
+        to_come.missing = piece.held + piece.slope * *x;
+        a[n] = c.changed::<FREE>(&mut to_come, change, p);
         at = to_come;
         (q[n], v[n]) = (at.q, at.v);
-        (slip[n], joint_force[n]) = (piece.anchor + x, piece.base + piece.stiffness * x);
+        (slip[n], joint_force[n]) = (piece.anchor + *x, piece.base + piece.stiffness * *x);
     }
-    state.rest_at(piece.anchor + x);
     *m = at;
 }
