@@ -12,7 +12,7 @@ use super::modes::CoupledModes;
 use super::motion::CoupledMotion;
 use super::stepper::CoupledRows;
 use crate::error::Error;
-use crate::memory::{Hysteresis, Run, Runs, Segment, Sliders};
+use crate::memory::{Run, Runs, Segment, Sliders};
 use crate::step::force_at;
 
 /// The constants of one group of modes, as in [`CoupledModes`].
