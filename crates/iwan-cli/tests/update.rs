@@ -82,7 +82,7 @@ fn blows_give_the_joints_back() {
     let scenario = |amplitude: f64| {
         format!(
             "[structure]\nname = \"paper-a\"\nmodes = [\"bending-1\", \"bending-3\"]\n[force]\nkind = \"haversine\"\namplitude = {amplitude}\n\
-             duration = 1.6e-3\n[time]\nstep = 1e-5\nduration = 0.08\n"
+             duration = 1.6e-3\n[time]\nstep = 1e-5\nduration = 0.15\n"
         )
     };
     for amplitude in [30.0, 1000.0] {
@@ -114,8 +114,10 @@ fn blows_give_the_joints_back() {
     let found: Value = serde_json::from_slice(&output.stdout).unwrap();
     let links = &found["groups"][0];
     for (key, expected) in [("k_t", 2.75e5), ("f_s", 300.0), ("chi", -0.3)] {
-        let value = links[key]["value"].as_f64().unwrap();
+        let [value, low, high] = ["value", "low", "high"].map(|part| links[key][part].as_f64().unwrap());
         assert!((value / expected - 1.0).abs() < 0.03, "{key} {value}");
+        // The hundred sliders of the records are not the continuum of the fit.
+        assert!(low < expected && expected < high, "{key} {low} {high}");
     }
     assert_eq!(found["verdict"]["adequate"], true, "{}", found["verdict"]);
     assert!(found["blows"].as_array().unwrap().len() >= 4);
