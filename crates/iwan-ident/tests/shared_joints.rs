@@ -148,14 +148,19 @@ fn loads_that_do_not_go_with_their_motions_are_named() {
 /// either may be the wrong one: their modes were once held against a mixture of both, and nothing was said.
 #[test]
 fn a_load_of_another_sign_is_named_by_how_its_record_begins() {
-    let mut records = [60.0, 600.0].map(|level| forced(level, SLIP));
-    for force in records[1].force.iter_mut().flatten() {
-        *force = -*force;
+    for (levels, said) in [
+        (&[60.0, 600.0][..], "by 60: check the sign and the unit of both forces"),
+        (&[60.0, 600.0, 6000.0], "by the other records: check the sign and the unit of its force"),
+    ] {
+        let mut records: Vec<CoupledRecord> = levels.iter().map(|level| forced(*level, SLIP)).collect();
+        for force in records[1].force.iter_mut().flatten() {
+            *force = -*force;
+        }
+        let warnings = fitted(&records, &[], Seen::Modes).warnings;
+        assert!(warnings[0].starts_with("600: it begins with -"), "{warnings:?}");
+        assert!(warnings[0].ends_with(said), "{warnings:?}");
+        assert!(!warnings.iter().any(|w| w.contains("its motion is that of a load")), "{warnings:?}");
     }
-    let warnings = fitted(&records, &[], Seen::Modes).warnings;
-    assert!(warnings[0].starts_with("600: it begins with -"), "{warnings:?}");
-    assert!(warnings[0].ends_with("by 60: check the sign and the unit of both forces"), "{warnings:?}");
-    assert!(!warnings.iter().any(|w| w.contains("its motion is that of a load")), "{warnings:?}");
 }
 
 #[test]

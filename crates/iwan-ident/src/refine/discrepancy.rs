@@ -219,10 +219,15 @@ impl Task {
         self.day_deviation = days::of_few(scatter.max(days::LEAST), days.len());
     }
 
+    /// Whether the samples of all records show so little noise that they can only come from simulations.
+    pub(super) fn shows_no_noise(&self) -> bool {
+        self.records.iter().all(Windowed::is_without_noise)
+    }
+
     /// The kind of clean records that these are; none where samples show noise and the minimum leaves it.
     pub(crate) fn clean(&self, minimum: &Minimum) -> Option<Clean> {
         let refined = self.refined(minimum);
-        let clean = refined.relative_residual < CLEAN || self.records.iter().all(Windowed::is_without_noise);
+        let clean = refined.relative_residual < CLEAN || self.shows_no_noise();
         clean.then_some(if refined.is_of_the_law() { Clean::OfTheLaw } else { Clean::Nearly })
     }
 

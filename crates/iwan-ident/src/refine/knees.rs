@@ -50,7 +50,7 @@ const MOST_JOINT: f64 = 0.9;
 /// Most rounds of hops over creases. A judgement: each round brings a record without noise nearer to the law's own parameters by one crease at least.
 const HOP_ROUNDS: usize = 4;
 /// Part of a sum of squares below which a round of hops must end for another one to follow: in a lower valley, not further down the same one.
-const DEEPER: f64 = 0.5;
+const NEXT_VALLEY: f64 = 0.5;
 
 /// Most valleys of a sweep that are followed to their bottom: the deepest ones.
 const POLISHED: usize = 8;
@@ -236,7 +236,7 @@ impl Task {
     }
 
     /// Leaves creases by hops of the knee: the knee is moved by each of the `hops` to both sides, all else follows, then all unknowns are free. A hop
-    /// to a lower minimum is kept.
+    /// to a lower minimum is kept, and rounds of all hops go on while they lead to lower valleys.
     pub(super) fn hop(&self, mut best: Minimum, hops: &[f64], work: &mut Workspace) -> Minimum {
         if self.knee().is_none() {
             return best;
@@ -252,7 +252,7 @@ impl Task {
                     best = found.filter(|f| f.cost < best.cost).unwrap_or(best);
                 }
             }
-            if best.cost > DEEPER * before {
+            if best.cost > NEXT_VALLEY * before {
                 break;
             }
         }

@@ -24,7 +24,7 @@ const CHIS: [f64; 3] = [-0.75, -0.45, -0.15];
 const LITTLE_JOINT: f64 = 1e-4;
 /// Hops of ln φ_max over creases (bends of the sum of squares): half a step of the scan and less. Longer ones would repeat the scan.
 const HOPS: [f64; 6] = [0.5 * STEP, 0.25 * STEP, 0.1 * STEP, 0.05 * STEP, 0.03 * STEP, 0.01 * STEP];
-/// Relative residual above which no hops are tried: noise then hides the creases, and hops cost time only.
+/// Relative residual above which no hops are tried where the samples show noise: it then hides the creases, and hops cost time only.
 const CREASE: f64 = 5e-4;
 /// Relative residual below which half cycles are computed one by one in place of tables: two and a half times the 4e-5 that tables left of a record without noise.
 const EXACT: f64 = 1e-4;
@@ -161,7 +161,7 @@ impl Task {
     /// Whether a minimum may lie beside a narrow valley that is far deeper: little is left there, or the samples show no noise and something is left all
     /// the same.
     pub(super) fn may_lie_beside_a_narrow_valley(&self, minimum: &Minimum) -> bool {
-        self.is_free_of_noise(minimum) || self.records.iter().all(Windowed::is_without_noise)
+        self.is_free_of_noise(minimum) || self.shows_no_noise()
     }
 
     /// A minimum with its sum of squares by the present weights.
