@@ -4,7 +4,7 @@ use std::sync::atomic::AtomicBool;
 
 use iwan_core::Progress;
 use iwan_ident::Error;
-use iwan_ident::coupled::{CoupledFit, Seen, fit_coupled};
+use iwan_ident::coupled::{CoupledFit, Seen};
 use iwan_ident::curves::Quantity;
 use iwan_ident::signal::Method;
 use iwan_io::Record;
@@ -26,6 +26,8 @@ pub struct StruckRecord {
     pub quantity: Quantity,
     /// What had to be assumed about the record, in words.
     pub warnings: Vec<String>,
+    /// Whether a window lies over the samples, as their file says.
+    pub windowed: bool,
     /// Force at each sample; none for a free decay.
     pub force: Option<Vec<f64>>,
 }
@@ -78,7 +80,7 @@ impl CoupledTest {
     /// Fits linear modes, modes with joints of their own and modes that share joints; results do not depend on `threads`.
     ///
     /// # Errors
-    /// Those of [`fit_coupled`].
+    /// Those of [`fit_coupled`](iwan_ident::coupled::fit_coupled).
     pub fn fit(
         &self,
         shape_at_force: Option<&[f64]>,
@@ -86,7 +88,7 @@ impl CoupledTest {
         stopped: &AtomicBool,
         progress: Progress<'_>,
     ) -> Result<CoupledFit, Error> {
-        fit_coupled(&self.0.task(shape_at_force, threads, stopped, progress))
+        self.0.fit(shape_at_force, threads, stopped, progress)
     }
 
     /// The text of `fit.json`, as `iwan fit --coupled` writes it.
@@ -131,13 +133,13 @@ fn made(
 
 fn loaded(records: Vec<StruckRecord>) -> Result<Vec<Loaded>, Failure> {
     let one = |given: StruckRecord| {
-        let StruckRecord { name, record, quantity, warnings, force } = given;
+        let StruckRecord { name, record, quantity, warnings, windowed, force } = given;
         let samples = record.samples()[0].len();
         if let Some(force) = force.as_ref().filter(|force| force.len() != samples) {
             let message = format!("{name}: the force has {} samples, the record {samples}", force.len());
             return Err(Failure::input(message, "give the force on the clock of the motions"));
         }
-        Ok((Recording { name, record, quantity, warnings, doubts: Vec::new() }, force))
+        Ok((Recording { name, record, quantity, warnings, doubts: Vec::new(), windowed }, force))
     };
     records.into_iter().map(one).collect()
 }

@@ -125,5 +125,6 @@ fn recording(record: &FittedRecord) -> Result<Recording, Failure> {
         quantity: record.quantity,
         warnings: Vec::new(),
         doubts: Vec::new(),
+        windowed: false,
     })
 }

@@ -29,6 +29,8 @@ const SHAPES: [f64; 2] = [23.5, 22.0];
 const LAW: [f64; 4] = [31_600.0, 143.8, -0.3, 0.02];
 const SLIP: f64 = -4.905;
 const COMPLIANCE: f64 = 0.2875;
+/// Of the structure's statics, in that unit.
+const SLIP_AT_FORCE: f64 = 1.58e-6;
 const DAMPING: f64 = 2e-4;
 const DT: f64 = 1e-5;
 const SAMPLES: usize = 20_001;
@@ -43,6 +45,7 @@ fn record(level: f64) -> CoupledRecord {
         law: LAW,
         slip: SLIP,
         compliance: COMPLIANCE,
+        slip_at_force: SLIP_AT_FORCE,
     };
     // In finer steps: with those of the fit itself the records would have its error, which no measured record has.
     let blow = Pulse::Haversine { amplitude: level, duration: 1.6e-3 };
@@ -75,6 +78,7 @@ fn main() {
         Unknown::Beta(_) => LAW[3],
         Unknown::Participation(..) => SLIP,
         Unknown::Compliance(_) => COMPLIANCE,
+        Unknown::SlipAtForce(_) => SLIP_AT_FORCE,
         _ => DAMPING,
     };
     let all = std::env::var_os("ALL").is_some();

@@ -18,6 +18,8 @@ const DAMPING: f64 = 5e-4;
 /// K_T is a tenth of the first mode's stiffness; F_S has the paper's ratio to it.
 const LAW: [f64; 4] = [1500.0, 20.0, -0.3, 0.05];
 const SLIP: f64 = -2.5;
+/// A twentieth of the slip that the first mode alone gives the joint under a static load.
+const SLIP_AT_FORCE: f64 = 3.2e-6;
 const DT: f64 = 1e-3;
 const STEPS: usize = 4;
 const SAMPLES: usize = 1501;
@@ -31,6 +33,7 @@ fn motions(level: f64, slip: f64) -> (Vec<Vec<f64>>, Vec<f64>) {
         law: LAW,
         slip,
         compliance: 0.15,
+        slip_at_force: SLIP_AT_FORCE,
     };
     let blow = Pulse::Haversine { amplitude: level, duration: 0.01 };
     let (motions, force) = pair.struck(&blow, DT / STEPS as f64, (SAMPLES - 1) * STEPS + 1);
@@ -96,6 +99,7 @@ fn a_shared_joint_is_found_and_predicts() {
         (Unknown::FS(0), LAW[1], 0.03),
         (Unknown::Chi(0), LAW[2], 0.05),
         (Unknown::Participation(0, 1), SLIP, 0.03),
+        (Unknown::SlipAtForce(0), SLIP_AT_FORCE, 0.2),
         (Unknown::ShapeAtForce(0), SHAPES[0], 0.005),
         (Unknown::ShapeAtForce(1), SHAPES[1], 0.005),
     ] {

@@ -125,7 +125,7 @@ def test_a_coupled_fit_is_that_of_the_command_line(fitted, tmp_path) -> None:
         ).stdout
     )
     joint = told["joints"][0]
-    for what in ("k_t", "f_s", "chi", "beta", "compliance_k_t"):
+    for what in ("k_t", "f_s", "chi", "beta", "compliance_k_t", "slip_at_force"):
         assert vars(found.estimates[f"{what} of joint"]) == joint[what]
     assert vars(found.estimates["participation of mode 2 in joint"]) == joint["participation"]["mode 2"]
     for mode in told["modes"]:
@@ -218,3 +218,13 @@ def test_what_does_not_fit_a_coupled_fit_is_named() -> None:
     ]:
         with pytest.raises(iwan.InvalidValueError, match=said):
             iwan.fit_coupled(records, **{"dt": 1e-3, **options})
+
+
+def test_a_window_that_the_header_names_leaves_no_shared_joint_told(with_window) -> None:
+    t = 5e-4 * np.arange(3000)
+    samples = sum(np.exp(-3.0 * t) * np.cos(2.0 * np.pi * f * t) for f in (100.0, 240.0))
+    asked = {"bands": [(90.0, 110.0), (230.0, 250.0)]}
+    plain, windowed = (iwan.fit_coupled([with_window(samples, 5e-4, kind)], **asked) for kind in (0, 4))
+    assert plain.estimates["frequency of mode 1"].low is not None
+    assert windowed.models == plain.models and any("windowed or filtered" in words for words in windowed.warnings)
+    assert all(one.low is None and one.high is None for one in windowed.estimates.values())

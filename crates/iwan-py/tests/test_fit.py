@@ -347,19 +347,10 @@ def test_what_is_no_array_says_what_to_do():
         iwan.fit(np.zeros((1000, 2)), dt=DT)
 
 
-def test_a_window_that_the_header_names_leaves_no_parameter_told(tmp_path):
+def test_a_window_that_the_header_names_leaves_no_parameter_told(with_window):
     """Nothing in the samples shows an exponential window: the fit told what structure and window make together."""
     t = 5e-4 * np.arange(3000)
-    samples = "\n".join(f"{a:20.11e}" for a in np.exp(-3.0 * t) * np.cos(200.0 * np.pi * t))
-    axes = "".join(f"{code:>10}    0    0    0 {label:<20} {unit:<20}\n" for code, label, unit in [
-        (17, "Time", "s"), (12, "Acceleration", "m/s2"), (0, "NONE", "NONE"), (0, "NONE", "NONE"),
-    ])  # fmt: skip
-    head = "    -1\n    58\ntip\nNONE\n01-Jan-26 00:00:00\nNONE\nNONE\n    1         0    0         0 NONE               1   3 NONE               0   0\n"
-    zeros = [f"{0:>15.7e}" * n for n in (5, 4, 5)]
-    for kind in (0, 4):
-        qualifiers = f"    -1\n  1858\n{f'{0:>12}' * 6}\n     0{kind:>6}{f'{0:>6}' * 10}\n{zeros[0]}\n{zeros[1]}{2.5:>15.7e}\n{zeros[2]}\nNONE  NONE\nNONE\n    -1\n"
-        (tmp_path / f"{kind}.uff").write_text(f"{head}{2:>10}{3000:>10}{1:>10}  0.00000E+00  5.00000E-04  0.00000E+00\n{axes}{samples}\n    -1\n{qualifiers}")
-    plain, windowed = (iwan.read_record(tmp_path / f"{kind}.uff") for kind in (0, 4))
+    plain, windowed = (with_window(np.exp(-3.0 * t) * np.cos(200.0 * np.pi * t), 5e-4, kind) for kind in (0, 4))
     assert np.array_equal(plain.samples, windowed.samples) and "exponential" in windowed.warnings[0]
     told = [any("as its file says" in note for note in iwan.envelope(record).notes) for record in (plain, windowed)]
     assert told == [False, True]

@@ -29,6 +29,8 @@ pub(crate) struct Recording {
     pub(crate) warnings: Vec<String>,
     /// Those of the warnings that make the results doubtful: of windows over the samples, whose damping is found with the structure's.
     pub(crate) doubts: Vec<String>,
+    /// Whether a window lies over the samples, as their file says.
+    pub(crate) windowed: bool,
 }
 
 /// The record of one mode, in the unit of the file times the root of the modal mass.
@@ -78,7 +80,8 @@ pub(crate) fn read(path: &Path, args: &RecordArgs) -> Result<Recording, Failure>
     let windowed = |w: &&Warning| matches!(w, Warning::Windowed { .. });
     let doubts = record.warnings().iter().filter(windowed).map(|w| format!("{name}: {w}")).collect();
     let quantity = motion(&name, &record, &mut warnings)?;
-    Ok(Recording { name, record, quantity, warnings, doubts })
+    let windowed = record.is_windowed();
+    Ok(Recording { name, record, quantity, warnings, doubts, windowed })
 }
 
 /// The kind of motion that the channels measure. Where the channels measure no motion, or their unit is not known, the user is asked; they are never
@@ -244,7 +247,7 @@ fn wanted(
 ) -> Result<Wanted, Failure> {
     let all: Vec<_> = recordings.iter().map(channels).collect();
     // What one record of several lies under spoils what they tell together.
-    let options = Options { windowed: recordings.iter().any(|r| r.record.is_windowed()), ..options };
+    let options = Options { windowed: recordings.iter().any(|r| r.windowed), ..options };
     let mode = one_mode(&all, shape, &options).map_err(|fault| match fault {
         NoMode::Shapes(error) => Failure::said(shapes, &error),
         NoMode::Recording { index, error } => Failure::said(&recordings[index].name, &error),

@@ -98,5 +98,6 @@ fn cut(recording: &Recording, n: usize, hit: &Hit) -> Result<Recording, Failure>
         quantity: recording.quantity,
         warnings: Vec::new(),
         doubts: Vec::new(),
+        windowed: recording.windowed,
     })
 }

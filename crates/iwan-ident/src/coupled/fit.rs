@@ -181,6 +181,7 @@ fn reference(task: &CoupledTask<'_>, opened: &Opened) -> Values {
         laws: Vec::new(),
         participation: Vec::new(),
         compliance: Vec::new(),
+        slip_at_force: Vec::new(),
         shape_at_sensor: vec![1.0; n],
         shape_at_force: vec![1.0; n],
         initial: opened.initial.clone(),

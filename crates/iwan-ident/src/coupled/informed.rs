@@ -118,6 +118,7 @@ mod tests {
             laws: vec![FourParameter::new(1500.0, 20.0, chi, 0.1).unwrap()],
             participation: vec![vec![1.0, -2.5]],
             compliance: vec![0.0],
+            slip_at_force: vec![0.0],
             shape_at_sensor: vec![1.0; 2],
             shape_at_force: vec![1.0; 2],
             initial: Vec::new(),

@@ -99,6 +99,22 @@ impl CoupledFit {
         &self.models[self.chosen]
     }
 
+    /// The same fit of records that were filtered or windowed before: they tell no parameter of the structure.
+    #[must_use]
+    pub fn of_treated(mut self) -> Self {
+        for estimate in &mut self.estimates {
+            (estimate.low, estimate.high) = (None, None);
+        }
+        for combination in &mut self.combinations {
+            combination.deviation = f64::INFINITY;
+        }
+        self.warnings.push(
+            "records were windowed or filtered next to a mode before they were given here: the values are those of the structure and of that together, and all intervals are open"
+                .into(),
+        );
+        self
+    }
+
     /// The model with this sharing.
     #[must_use]
     pub fn of(&self, sharing: Sharing) -> Option<&FittedSharing> {

@@ -268,11 +268,12 @@ impl Part<'_> {
         let joints: Vec<CoupledJoint<'_>> = laws
             .iter()
             .zip(&rows)
-            .map(|(law, (participation, compliance))| CoupledJoint {
+            .enumerate()
+            .map(|(i, (law, (participation, compliance)))| CoupledJoint {
                 stiffness: law.k_t(),
                 participation,
                 compliance,
-                slip_at_force: 0.0,
+                slip_at_force: self.joints.get(i).map_or(0.0, |joint| v.slip_at_force[*joint]),
             })
             .collect();
         let coupled = self.coupled(clock.step, &joints)?;
@@ -442,6 +443,7 @@ mod tests {
             laws: vec![law],
             participation: vec![vec![1.0, -4.9]],
             compliance: vec![1e-6],
+            slip_at_force: vec![0.0],
             shape_at_sensor: vec![1.0; 2],
             shape_at_force: vec![20.0; 2],
             initial: vec![vec![[0.0; 2]; 2]],

@@ -62,6 +62,8 @@ pub enum Unknown {
     Participation(usize, usize),
     /// Compliance of a joint through the modes that are left out, times the joint's K_T.
     Compliance(usize),
+    /// Slip of a joint under a unit load, through the modes that are left out.
+    SlipAtForce(usize),
     /// Shape of a mode at the sensor over that of the first mode.
     ShapeAtSensor(usize),
     /// Shape of a mode at the load.
@@ -85,6 +87,8 @@ pub struct Values {
     pub participation: Vec<Vec<f64>>,
     /// Compliance ρ of each joint through the modes that are left out.
     pub compliance: Vec<f64>,
+    /// Slip of each joint under a unit load, through the modes left out.
+    pub slip_at_force: Vec<f64>,
     /// Shape of each mode at the sensor.
     pub shape_at_sensor: Vec<f64>,
     /// Shape of each mode at the load.
@@ -117,6 +121,9 @@ impl Form {
                 unknowns.extend((0..n).filter(|r| *r != j).map(|r| Unknown::Participation(j, r)));
                 if joints == 1 {
                     unknowns.push(Unknown::Compliance(j));
+                    if given.forced {
+                        unknowns.push(Unknown::SlipAtForce(j));
+                    }
                 }
             }
         }
@@ -138,6 +145,7 @@ impl Form {
                 .map(|j| (0..n).map(|r| if r == j { 1.0 } else { 0.0 }).collect())
                 .collect(),
             compliance: vec![0.0; joints],
+            slip_at_force: vec![0.0; joints],
             ..reference.clone()
         };
         Self { sharing, unknowns, reference, sizes: sizes.to_vec() }
@@ -194,6 +202,7 @@ impl Form {
                 Unknown::Beta(j) => laws[j][3] = value,
                 Unknown::Participation(j, r) => v.participation[j][r] = value,
                 Unknown::Compliance(j) => v.compliance[j] = value,
+                Unknown::SlipAtForce(j) => v.slip_at_force[j] = value,
                 Unknown::ShapeAtSensor(r) => v.shape_at_sensor[r] = value,
                 Unknown::ShapeAtForce(r) => v.shape_at_force[r] = value,
                 Unknown::Displacement(k, r) => v.initial[k][r][0] = value,
@@ -223,10 +232,17 @@ impl Form {
             Unknown::KT(_) | Unknown::FS(_) | Unknown::ShapeAtSensor(_) => x.exp(),
             Unknown::Chi(_) | Unknown::Participation(..) | Unknown::Compliance(_) => x,
             Unknown::Beta(_) => x / (1.0 - x),
+            Unknown::SlipAtForce(j) => x * self.static_slip(j),
             Unknown::ShapeAtForce(r) => x * reference.shape_at_force[r],
             Unknown::Displacement(k, r) => x * self.sizes[k][r],
             Unknown::Velocity(k, r) => x * self.speed(k, r),
         }
+    }
+
+    /// Slip of a joint that sticks under a static unit load by its first mode alone.
+    fn static_slip(&self, j: usize) -> f64 {
+        let omega = std::f64::consts::TAU * self.reference.frequency[j];
+        self.reference.shape_at_force[j] / (omega * omega)
     }
 
     fn speed(&self, k: usize, r: usize) -> f64 {
@@ -242,7 +258,7 @@ impl Form {
         share: f64,
     ) -> Vec<f64> {
         let of = |unknown: &Unknown| match *unknown {
-            Unknown::Frequency(_) | Unknown::ShapeAtSensor(_) => 0.0,
+            Unknown::Frequency(_) | Unknown::ShapeAtSensor(_) | Unknown::SlipAtForce(_) => 0.0,
             Unknown::DampingRatio(r) => modes[r].damping_ratio / DAMPING_UNIT,
             Unknown::KT(j) => laws[j][0].ln(),
             Unknown::FS(j) => laws[j][1].ln(),

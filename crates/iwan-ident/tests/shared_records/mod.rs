@@ -18,6 +18,8 @@ pub(crate) struct Pair {
     pub(crate) slip: f64,
     /// Compliance times K_T.
     pub(crate) compliance: f64,
+    /// Slip of the joint under a unit load, through modes left out.
+    pub(crate) slip_at_force: f64,
 }
 
 impl Pair {
@@ -36,7 +38,7 @@ impl Pair {
             stiffness: k_t,
             participation: &[1.0, self.slip],
             compliance: &[self.compliance / k_t],
-            slip_at_force: 0.0,
+            slip_at_force: self.slip_at_force,
         };
         let storage = |groups: usize| vec![[0.0; 4]; groups];
         let coupled = CoupledModes::new(&modes, &[joint], storage).unwrap();

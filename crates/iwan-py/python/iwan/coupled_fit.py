@@ -240,7 +240,13 @@ def _made(found: _FittedCoupled, notes: list[str], again: Callable[[], _FittedCo
         k_t, f_s, chi, beta = values["laws"][j]
         compliance = [values["compliance"][j] if i == j else 0.0 for i in range(len(names))]
         law = FourParameter(k_t=k_t, f_s=f_s, chi=chi, beta=beta)
-        return SharedJoint(joint=law, participation=values["participation"][j], compliance=compliance, name=names[j])
+        return SharedJoint(
+            joint=law,
+            participation=values["participation"][j],
+            compliance=compliance,
+            slip_at_force=values["slip_at_force"][j],
+            name=names[j],
+        )
 
     return CoupledFit(
         chosen=told["chosen"],

@@ -108,8 +108,8 @@ fn struck(
 ) -> PyResult<StruckRecord> {
     let (quantity, warnings) = record.get().motion(quantity.map(motion).transpose()?, Call::SeveralModes)?;
     let force = force.map(|force| Numbers::vector("forces", &force)).transpose()?;
-    let record = record.get().whole(py)?;
-    Ok(StruckRecord { name, record, quantity, warnings, force })
+    let (record, windowed) = (record.get().whole(py)?, record.get().windowed);
+    Ok(StruckRecord { name, record, quantity, warnings, windowed, force })
 }
 
 #[pymethods]
@@ -134,6 +134,7 @@ impl FittedCoupled {
             "laws": laws,
             "participation": v.participation,
             "compliance": v.compliance,
+            "slip_at_force": v.slip_at_force,
         });
         (in_python(&test.json(fit), Call::SeveralModes), values.to_string())
     }

@@ -2,7 +2,7 @@
 
 use std::sync::atomic::AtomicBool;
 
-use iwan_ident::coupled::{CoupledFit, fit_coupled};
+use iwan_ident::coupled::CoupledFit;
 
 use super::records::Measured;
 use super::results::CoupledResults;
@@ -42,7 +42,7 @@ fn run(measured: &Measured, shape: &[f64], session: &Session) -> Result<CoupledF
     let work = move || {
         let shape = (!shape.is_empty()).then_some(shape.as_slice());
         let progress = |share| teller.report(share);
-        fit_coupled(&measured.task(shape, threads, &AtomicBool::new(false), &progress))
+        measured.fit(shape, threads, &AtomicBool::new(false), &progress)
     };
     bar.wait(work)?.map_err(|error| Failure::said(&place, &error))
 }

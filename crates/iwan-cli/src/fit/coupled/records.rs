@@ -4,11 +4,11 @@ use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
 use iwan_core::Progress;
-use iwan_ident::Parameters;
-use iwan_ident::coupled::{CoupledRecord, CoupledTask, Seen, UncoupledMode};
+use iwan_ident::coupled::{CoupledFit, CoupledRecord, CoupledTask, Seen, UncoupledMode, fit_coupled};
 use iwan_ident::curve_fit::{fit, start};
 use iwan_ident::curves::Quantity;
-use iwan_ident::signal::Method;
+use iwan_ident::signal::{Method, Treatment};
+use iwan_ident::{Error, Parameters};
 use iwan_io::{ReadOptions, Record, Warning};
 
 use crate::failure::Failure;
@@ -31,6 +31,8 @@ pub(crate) struct Measured {
     pub(crate) quantity: Quantity,
     pub(crate) seen: Seen,
     pub(crate) warnings: Vec<String>,
+    /// Whether a record was windowed, or filtered next to a mode, before it was given here.
+    treated: bool,
 }
 
 impl Measured {
@@ -74,14 +76,22 @@ impl Measured {
             return Err(Failure::input(message, "give --shapes FILE, or choose one channel with --channel"));
         }
         let (mut modes, mut ends) = (Vec::new(), vec![0; recordings.len()]);
+        let mut warnings: Vec<String> = recordings.iter().flat_map(|r| r.warnings.clone()).collect();
+        let mut treated = false;
         for one in &wanted {
             let extractions = extract(&recordings, one, method, threads)?;
-            for (end, x) in ends.iter_mut().zip(&extractions) {
+            for ((end, x), recording) in ends.iter_mut().zip(&extractions).zip(&recordings) {
                 *end = x.isolated.window.end.max(*end);
+                let peak = x.isolated.band.peak;
+                let Some(seen) = x.isolated.treatment.filter(|seen| seen.spoils(peak)) else { continue };
+                treated = true;
+                // What its file says is among the recording's warnings.
+                if seen != Treatment::Declared {
+                    warnings.push(format!("{}: {}", recording.name, seen.in_words(peak)));
+                }
             }
             modes.push(UncoupledMode { name: one.name.clone(), parameters: by_itself(&extractions) });
         }
-        let warnings = recordings.iter().flat_map(|r| r.warnings.clone()).collect();
         let quantity = recordings[0].quantity;
         let slowest = modes.iter().map(|m| m.parameters.frequency).fold(f64::INFINITY, f64::min);
         let take = |(n, (recording, force)): (usize, &Loaded), wanted: &[Wanted], seen| {
@@ -112,18 +122,21 @@ impl Measured {
                 cut(record, slowest, Some(end));
             }
         }
-        Ok(Self { records, held_out, modes, quantity, seen, warnings })
+        Ok(Self { records, held_out, modes, quantity, seen, warnings, treated })
     }
 
-    /// The task of the fit to these records; results do not depend on `threads`.
-    pub(crate) fn task<'a>(
-        &'a self,
-        shape_at_force: Option<&'a [f64]>,
+    /// Fits linear modes, modes with joints of their own and modes that share joints; results do not depend on `threads`.
+    ///
+    /// # Errors
+    /// Those of [`fit_coupled`].
+    pub(crate) fn fit(
+        &self,
+        shape_at_force: Option<&[f64]>,
         threads: usize,
-        stopped: &'a AtomicBool,
-        progress: Progress<'a>,
-    ) -> CoupledTask<'a> {
-        CoupledTask {
+        stopped: &AtomicBool,
+        progress: Progress<'_>,
+    ) -> Result<CoupledFit, Error> {
+        let found = fit_coupled(&CoupledTask {
             records: &self.records,
             held_out: &self.held_out,
             modes: &self.modes,
@@ -133,7 +146,8 @@ impl Measured {
             threads,
             stopped,
             progress,
-        }
+        })?;
+        Ok(if self.treated { found.of_treated() } else { found })
     }
 }
 

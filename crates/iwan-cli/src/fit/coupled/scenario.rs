@@ -52,6 +52,7 @@ pub(super) fn scenario(
         ScenarioJoint {
             joint: SharedJoint {
                 compliance,
+                slip_at_force: v.slip_at_force[j],
                 ..SharedJoint::new(
                     joint_name(best.sharing, j, names),
                     JointLaw::FourParameter(*law),

@@ -35,6 +35,9 @@ pub(crate) struct CoupledJointSummary {
     /// Static compliance that the modes left out of the model give the joint, times K_T; dimensionless.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) compliance_k_t: Option<Estimated>,
+    /// Slip under a unit load through the modes left out of the model; length over force.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) slip_at_force: Option<Estimated>,
 }
 
 /// Misfit of one mode of one record.
@@ -115,6 +118,7 @@ impl CoupledSummary {
                 beta: of(Unknown::Beta(j), law.beta()),
                 participation: (0..names.len()).filter(moves).map(b).collect(),
                 compliance_k_t: find(&fit.estimates, Unknown::Compliance(j)),
+                slip_at_force: find(&fit.estimates, Unknown::SlipAtForce(j)),
             }
         };
         warnings.extend(fit.warnings.clone());
@@ -173,6 +177,7 @@ fn unknown_name(unknown: Unknown, sharing: Sharing, names: &[String]) -> String 
         Unknown::Beta(j) => format!("beta of {}", joint(j)),
         Unknown::Participation(j, r) => format!("participation of {} in {}", names[r], joint(j)),
         Unknown::Compliance(j) => format!("compliance of {}", joint(j)),
+        Unknown::SlipAtForce(j) => format!("slip_at_force of {}", joint(j)),
         Unknown::ShapeAtSensor(r) => format!("shape_at_sensor of {}", names[r]),
         Unknown::ShapeAtForce(r) => format!("shape_at_force of {}", names[r]),
         Unknown::Displacement(..) | Unknown::Velocity(..) => "the begin of a record".into(),
@@ -260,6 +265,7 @@ impl CoupledSummary {
             let sought = joint.participation.iter().filter(|(_, e)| e.low != e.high || e.low.is_none());
             rows.extend(sought.map(|(mode, e)| (name, format!("slip in {mode}"), *e)));
             rows.extend(joint.compliance_k_t.map(|e| (name, "compliance times K_T".into(), e)));
+            rows.extend(joint.slip_at_force.map(|e| (name, "slip at a unit force".into(), e)));
         }
         rows
     }
