@@ -3,8 +3,10 @@
 
 use std::f64::consts::TAU;
 
-use iwan_ident::Error;
+use iwan_ident::curves::Quantity;
+use iwan_ident::identify::{ModeRecord, Settings, identify};
 use iwan_ident::signal::{Envelope, Method, Options, band_near, envelope, opinions};
+use iwan_ident::{Error, Grade};
 
 const DT: f64 = 1.0 / 4096.0;
 const OMEGA: f64 = TAU * 80.0;
@@ -344,4 +346,44 @@ fn a_mode_that_is_higher_behind_the_blow_is_named() {
         refused.contains("of the mode at 11.9") && refused.contains("301.0") && refused.contains("--mode HZ"),
         "{refused}"
     );
+}
+
+/// Acceleration of a mode with a contact that opens and quadratic damping, by the classical Runge-Kutta method in steps of a 32nd of `dt`.
+fn opening_contact(dt: f64, count: usize) -> Vec<f64> {
+    let omega = TAU * 20.684265962695967;
+    let damping = 2.0 * 0.0003861900915942574 * omega;
+    let [spring, gap, quadratic] = [3539.4653514296147, 0.00024821345678237956, 183.393063595947];
+    let acceleration = |x: f64, v: f64| {
+        let open = x.abs() - gap;
+        let pull = if open > 0.0 { -spring * open * x.signum() } else { 0.0 };
+        -(omega * omega) * x - damping * v - (pull + quadratic * v.abs() * v)
+    };
+    let h = dt / 32.0;
+    let (mut x, mut v) = (0.0004794651562869788, 0.0);
+    let sample = |_| {
+        let now = acceleration(x, v);
+        for _ in 0..32 {
+            let k1 = (v, acceleration(x, v));
+            let from = (x, v);
+            let at =
+                |k: (f64, f64), h: f64| (from.1 + h * k.1, acceleration(from.0 + h * k.0, from.1 + h * k.1));
+            let k2 = at(k1, 0.5 * h);
+            let k3 = at(k2, 0.5 * h);
+            let k4 = at(k3, h);
+            x += h / 6.0 * (k1.0 + 2.0 * k2.0 + 2.0 * k3.0 + k4.0);
+            v += h / 6.0 * (k1.1 + 2.0 * k2.1 + 2.0 * k3.1 + k4.1);
+        }
+        now
+    };
+    (0..count).map(sample).collect()
+}
+
+/// No joint describes such a record, and the search for what it misses wanders off to where no model is. The fit was refused then, for one rounding of the time step and not for the next.
+#[test]
+fn a_record_far_from_any_joint_is_fitted_all_the_same() {
+    let dt = 1.0 / 602.0202184928163;
+    let samples = opening_contact(dt, 3316);
+    let record = ModeRecord { samples: &samples, dt, quantity: Quantity::Acceleration };
+    let found = identify(&[record], &Settings::default()).unwrap();
+    assert_eq!(found.verdict.grade, Grade::No, "{:?}", found.verdict);
 }

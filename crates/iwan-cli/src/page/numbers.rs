@@ -25,6 +25,9 @@ const ROUNDING: f64 = 1e-3;
 /// An interval as text; an open end is named as open. Closed ends are rounded outwards, so that the best value never lies outside the interval shown.
 pub(crate) fn interval(low: Option<f64>, high: Option<f64>) -> String {
     match (low, high) {
+        (Some(low), Some(high)) if low * high > 0.0 && is_wide(low / high) => {
+            format!("{} to {}", short(low), short(high))
+        }
         (Some(low), Some(high)) => {
             let exponent = exponent(low.abs().max(high.abs()));
             let size = 10_f64.powi(exponent);
@@ -41,6 +44,11 @@ pub(crate) fn interval(low: Option<f64>, high: Option<f64>) -> String {
         (None, Some(high)) => format!("< {}, open below", short(high)),
         (None, None) => "open on both sides".into(),
     }
+}
+
+/// Whether ends of this ratio have no power of ten in common: the smaller one would be shown by a digit or none.
+fn is_wide(ratio: f64) -> bool {
+    !(1e-3..=1e3).contains(&ratio)
 }
 
 /// The power of ten that both ends of an interval share, chosen as [`short`] chooses it for a number of this size.
@@ -68,6 +76,7 @@ mod tests {
         assert_eq!(interval(Some(-347_000.0), Some(-306_000.0)), "-3.47e5 to -3.06e5");
         assert_eq!(interval(Some(1.229_86e12), Some(1.271_79e12)), "1.229e12 to 1.272e12");
         assert_eq!(interval(Some(0.0), Some(2.5e-6)), "0.0e-6 to 2.5e-6");
+        assert_eq!(interval(Some(-1.7e28), Some(-3.4e19)), "-1.700e28 to -3.400e19");
         assert_eq!(interval(None, Some(2.0)), "< 2.000, open below");
     }
 

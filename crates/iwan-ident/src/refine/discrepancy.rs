@@ -316,7 +316,8 @@ impl Task {
         for round in 0..=ROUNDS {
             let taken = self.clone();
             self.discount = None;
-            let found = self.look(&minimum.x, work)?;
+            // Where nothing can be looked at any more, the best of the rounds before stands.
+            let Some(found) = self.look(&minimum.x, work) else { break };
             if round > 0 {
                 let unit = |r: &Windowed| 2.0 * r.deviations.iter().map(|d| d.ln()).sum::<f64>();
                 let likelihood = found.likeliest.likelihood - self.records.iter().map(unit).sum::<f64>();
@@ -335,7 +336,8 @@ impl Task {
             self.take(&found.components, &found.likeliest.sizes, &scales);
             let x = self.on_mean_day(&minimum.x);
             self.take_days(&x, &found.jacobian);
-            minimum = self.minimise(&x, self.seen_at(&x), FINE, work)?;
+            let Some(next) = self.minimise(&x, self.seen_at(&x), FINE, work) else { break };
+            minimum = next;
         }
         best
     }
