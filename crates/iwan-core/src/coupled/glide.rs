@@ -23,7 +23,9 @@ struct Constants {
     stiffness: Lanes,
     viscous: Lanes,
     load: Lanes,
-    drive: Lanes,
+    /// What a unit mean load adds to the mean velocity of a step, and what a unit of it takes off the next one's.
+    driven: Lanes,
+    slowing: Lanes,
     shape: Lanes,
     reach: Lanes,
     /// Reductions of q, v, v̄* and Δs* by a unit of ΔN. Only `on_ahead` makes a step wait for the one before.
@@ -43,13 +45,14 @@ struct Motion {
     q: Lanes,
     v: Lanes,
     mean: Lanes,
-    /// N at the present sample, its pull on each mode, and Δs* of the next step.
+    /// N at the present sample, the restoring force ω² q + b N of each mode, and Δs* of the next step.
     missing: f64,
-    pull: Lanes,
+    restoring: Lanes,
     ahead: f64,
 }
 
 /// A straight piece of the joint's law, as a function of x = s - anchor.
+#[derive(Clone, Copy)]
 struct Piece {
     anchor: f64,
     reach: f64,
@@ -63,16 +66,25 @@ struct Piece {
     yielding: f64,
 }
 
+impl Piece {
+    /// Joint force.
+    #[inline]
+    fn force(&self, x: f64) -> f64 {
+        self.base + self.stiffness * x
+    }
+}
+
 impl Motion {
     fn of<S: AsRef<[Lanes]> + AsMut<[Lanes]>>(motion: &CoupledMotion<S>, c: &Constants) -> Self {
         let lanes = |row: &S| row.as_ref()[0];
         let missing = motion.missing.as_ref()[0][0];
+        let q = lanes(&motion.q);
         Self {
-            q: lanes(&motion.q),
+            q,
             v: lanes(&motion.v),
             mean: lanes(&motion.mean),
             missing,
-            pull: c.shape.map(|b| b * missing),
+            restoring: core::array::from_fn(|l| c.stiffness[l] * q[l] + c.shape[l] * missing),
             ahead: motion.ahead.as_ref()[0][0],
         }
     }
@@ -99,6 +111,32 @@ impl Constants {
         }
     }
 
+    /// The piece after the next slider of the run has broken loose; none where the run ends with that slider.
+    #[inline]
+    fn behind<R: AsRef<[Run]> + AsMut<[Run]>>(
+        &self,
+        state: &Runs<R>,
+        sliders: &Sliders<'_>,
+    ) -> Option<Piece> {
+        state.segment_after(sliders.table(), 1).map(|segment| self.piece(&segment))
+    }
+
+    /// Where a step ends on the `next` piece, which follows after one slider; none where it ends beyond it.
+    #[inline]
+    fn landing(
+        &self,
+        piece: &Piece,
+        next: Piece,
+        x: f64,
+        ahead: f64,
+        direction: f64,
+    ) -> Option<(Piece, f64)> {
+        // At the beginning of the step the next piece's line lies above the force.
+        let above = (next.base - piece.base) + (next.stiffness - piece.stiffness) * x;
+        let to = x + next.gain * (ahead - self.coupling * above);
+        (direction * to <= next.reach).then_some((next, to))
+    }
+
     /// Completes the step to a sample with the load `p` as if N stayed constant, and begins the next step, at whose end the load is `next`. `FREE`
     /// where both loads are zero.
     #[inline]
@@ -108,9 +146,10 @@ impl Constants {
         for (l, way) in way.iter_mut().enumerate() {
             to.q[l] = m.q[l] + self.step[l] * m.mean[l];
             to.v[l] = 2.0 * m.mean[l] - m.v[l];
-            let pull = self.stiffness[l] * to.q[l] + m.pull[l];
-            let moving = if FREE { -pull } else { self.drive[l] * mean - pull };
-            to.mean[l] = to.v[l] + (self.push[l] * moving - self.drag[l] * to.v[l]);
+            // Of the force at the end of the step only the last product waits for the mean velocity of the step before.
+            let known = self.push[l] * m.restoring[l] - self.drag[l] * m.v[l];
+            let known = if FREE { known } else { known - self.driven[l] * mean };
+            to.mean[l] = to.v[l] - (known + self.slowing[l] * m.mean[l]);
             *way = self.reach[l] * to.mean[l];
         }
         to.ahead = (way[0] + way[2]) + (way[1] + way[3]);
@@ -129,10 +168,9 @@ impl Constants {
             m.q[l] -= self.on_q[l] * change;
             m.v[l] -= self.on_v[l] * change;
             m.mean[l] -= self.on_mean[l] * change;
-            m.pull[l] = self.shape[l] * m.missing;
-            let pull = self.stiffness[l] * m.q[l] + m.pull[l];
-            let held_back = self.viscous[l] * m.v[l];
-            *acceleration = if FREE { -held_back - pull } else { self.load[l] * p - held_back - pull };
+            m.restoring[l] = self.stiffness[l] * m.q[l] + self.shape[l] * m.missing;
+            let held_back = self.viscous[l] * m.v[l] + m.restoring[l];
+            *acceleration = if FREE { -held_back } else { self.load[l] * p - held_back };
         }
         m.ahead -= self.on_ahead * change;
         acceleration
@@ -216,7 +254,8 @@ impl<S: AsRef<[Lanes]> + AsMut<[Lanes]>> CoupledModes<S> {
             stiffness,
             viscous: lanes(&self.viscous),
             load: lanes(&self.load),
-            drive: lanes(&self.drive),
+            driven: core::array::from_fn(|l| push[l] * lanes(&self.drive)[l]),
+            slowing: core::array::from_fn(|l| push[l] * (stiffness[l] * step[l]) + 2.0 * drag[l]),
             shape,
             reach,
             on_q,
@@ -275,31 +314,43 @@ fn steps<const FREE: bool, R: AsRef<[Run]> + AsMut<[Run]>>(
     let (slip, joint_force) = (&mut out.slip[range.clone()], &mut out.joint_force[range.clone()]);
     let Standing { sliders, state, piece, direction, x } = joint;
     let mut at = *m;
+    // The piece behind the next slider that breaks loose is computed in advance: most pieces end with one.
+    let mut behind = c.behind(state, sliders);
     for n in 0..q.len() {
         let load = |n: usize| if FREE { 0.0 } else { force_at(force, from + n) };
         let p = load(n);
         let mut to_come = c.held::<FREE>(&at, [p, load(n + 1)]);
         let way = piece.gain * at.ahead;
         let to = *x + way;
-        let change = if *direction * way >= 0.0 && *direction * to <= piece.reach {
+        let onward = *direction * way >= 0.0;
+        let change = if onward && *direction * to <= piece.reach {
             *x = to;
             piece.yielding * at.ahead
+        } else if let Some((next, to)) =
+            behind.filter(|_| onward).and_then(|next| c.landing(piece, next, *x, at.ahead, *direction))
+        {
+            let change = (next.force(to) - piece.force(*x)) - c.joint * (to - *x);
+            state.pass(1);
+            (*piece, *x) = (next, to);
+            behind = c.behind(state, sliders);
+            change
         } else {
             state.rest_at(piece.anchor + *x);
-            let before = piece.base + piece.stiffness * *x;
+            let before = piece.force(*x);
             let load = inverse * at.ahead;
             let force = state.aim(sliders.table(), inverse - c.joint, load);
             let segment = state.segment(sliders.table());
             *piece = c.piece(&segment);
             let way = c.coupling * piece.gain * (load - segment.gap(state.displacement(), force));
             (*direction, *x) = (state.direction(), state.displacement() + way - piece.anchor);
-            (piece.base + piece.stiffness * *x - before) - c.joint * way
+            behind = c.behind(state, sliders);
+            (piece.force(*x) - before) - c.joint * way
         };
         to_come.missing = piece.held + piece.slope * *x;
         a[n] = c.changed::<FREE>(&mut to_come, change, p);
         at = to_come;
         (q[n], v[n]) = (at.q, at.v);
-        (slip[n], joint_force[n]) = (piece.anchor + *x, piece.base + piece.stiffness * *x);
+        (slip[n], joint_force[n]) = (piece.anchor + *x, piece.force(*x));
     }
     *m = at;
 }
