@@ -4,7 +4,7 @@ use iwan_machine::listed;
 use std::path::Path;
 
 use iwan_fem::{Kinematic, Output};
-use iwan_io::{ReadOptions, Record};
+use iwan_io::{ReadOptions, Record, Warning};
 use iwan_study::update::{BlowTask, MeasuredBlow, MeasuredCurve};
 
 use super::args::UpdateArgs;
@@ -96,6 +96,13 @@ fn blow(
         return Err(Failure::input(message, remedy));
     }
     let record = read(channels.iter().map(|(_, name)| name.clone()).collect(), None)?;
+    for warning in record.warnings() {
+        if matches!(warning, Warning::Windowed { .. }) {
+            let message = format!("{place}: {warning}");
+            return Err(Failure::input(message, "joints are found from records without a window only"));
+        }
+        notes.push(format!("{place}: {warning}"));
+    }
     let of_file = match record.quantity() {
         iwan_io::Quantity::Acceleration => Some(Kinematic::Acceleration),
         iwan_io::Quantity::Velocity => Some(Kinematic::Velocity),
