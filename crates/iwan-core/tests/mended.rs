@@ -3,9 +3,9 @@
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a failed test may panic and say why")]
 
 use iwan_core::{
-    Averaging, Backbone, Continuum, Decay, EventDriven, FourParameter, Grid, Hysteresis, Jenkins, Motion,
-    Newmark, Oscillator, Plain, Pulse, ResidualStiffness, Reversal, Run, Slider, Sliders,
-    TabledFourParameter, Uniform,
+    Averaging, Backbone, Continuum, Decay, DensityPoint, EventDriven, FourParameter, Grid, Hysteresis,
+    Jenkins, Motion, Newmark, Oscillator, Plain, Pulse, ResidualStiffness, Reversal, Run, Slider, Sliders,
+    TabledFourParameter, Tabulated, Uniform,
 };
 use proptest::prelude::*;
 
@@ -307,5 +307,30 @@ fn decays_begin_within_what_a_double_resolves() {
     }
     for start in [Motion::held_at(f64::NAN), Motion { displacement: 0.0, velocity: f64::INFINITY }] {
         assert!(begun(start).unwrap_err().to_string().contains("a finite number"), "{start:?}");
+    }
+}
+
+/// Loads so small that rounding of the slip force hides them once moved a joint against their own direction.
+#[test]
+fn no_load_moves_a_joint_backwards() {
+    let mut points = [DensityPoint::default(); 2];
+    let tabulated = Tabulated::new(&[0.7, 1.0], &[1.0, 2.0], 0.0, &mut points).unwrap();
+    let four = FourParameter::new(1.0, 0.9, -0.3, 0.1).unwrap();
+    let laws: [&dyn Backbone; 2] = [&tabulated, &four];
+    for law in laws {
+        let (joint, strongest) = (Continuum::new(law), law.strengths().1);
+        for (forth, back) in [(1.9, 0.0), (1.9, 0.3), (2.5, 0.7), (2.5, -1.0)] {
+            for (stiffness, tens) in
+                [1e-6, 1e-4, 1e-2, 1.0].into_iter().flat_map(|k| (10..40).map(move |e| (k, e)))
+            {
+                for load in [1.17, -1.17].map(|sign| sign * 10.0_f64.powi(-tens)) {
+                    let mut state = joint.virgin([Reversal::default(); 16]).unwrap();
+                    joint.advance(&mut state, forth * strongest);
+                    joint.advance(&mut state, back * strongest);
+                    let way = joint.solve(&mut state, stiffness, load);
+                    assert!(way * load >= 0.0, "{way} under {load} beside {stiffness}, {forth} {back}");
+                }
+            }
+        }
     }
 }

@@ -148,6 +148,11 @@ impl<B: Backbone, S: AsRef<[Reversal]> + AsMut<[Reversal]>> Hysteresis<Reversals
             let force_scale = load.abs() + force.abs() + trial_force.abs();
             let noise = ROUNDING * f64::EPSILON * (u.abs() + trial.abs() + force_scale * inverse);
             if step.abs() <= noise || round == MOST_ROUNDS {
+                // The load pushes on: a way back is rounding and nothing else.
+                if branch.direction * du < 0.0 {
+                    state.rest_at(u, (force, tangent));
+                    return 0.0;
+                }
                 state.rest_at(u + du, (trial_force + k * step, k));
                 return du;
             }
