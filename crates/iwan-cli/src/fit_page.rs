@@ -84,7 +84,11 @@ fn page(mode: &FittedMode<'_>) -> Result<String, Failure> {
 
 impl Told {
     fn of(mode: &FittedMode<'_>) -> Result<Self, Failure> {
-        let recordings = mode.records.iter().map(recording).collect::<Result<Vec<_>, _>>()?;
+        let recordings = mode
+            .records
+            .iter()
+            .map(|record| recording(record, mode.settings.options.windowed))
+            .collect::<Result<Vec<_>, _>>()?;
         let Some(first) = recordings.first() else {
             return Err(Failure::input("there is no record", "give at least one"));
         };
@@ -109,7 +113,7 @@ impl Told {
     }
 }
 
-fn recording(record: &FittedRecord) -> Result<Recording, Failure> {
+fn recording(record: &FittedRecord, windowed: bool) -> Result<Recording, Failure> {
     let quantity = match record.quantity {
         Quantity::Acceleration => iwan_io::Quantity::Acceleration,
         Quantity::Velocity => iwan_io::Quantity::Velocity,
@@ -125,6 +129,6 @@ fn recording(record: &FittedRecord) -> Result<Recording, Failure> {
         quantity: record.quantity,
         warnings: Vec::new(),
         doubts: Vec::new(),
-        windowed: false,
+        windowed,
     })
 }

@@ -4,7 +4,7 @@
 use std::fmt::Write;
 use std::path::Path;
 
-use crate::common::{folder, iwan, names, shown};
+use crate::common::{folder, iwan, names, shown, universal};
 use crate::hits_of_bench::hits;
 
 /// Runs a command with and without `--strict`: with it the exit code is 1, without it 0, and the results are there both times. Returns
@@ -66,42 +66,21 @@ fn a_joint_that_does_not_match_is_a_breach() {
     );
 }
 
-/// A time history of a universal file, and the window that its dataset 1858 names.
-fn universal(window: u8) -> String {
-    let axis =
-        |code: u8, label: &str, unit: &str| format!("{code:>10}    0    0    0 {label:<20} {unit:<20}\n");
-    let mut text = format!(
-        "    -1\n    58\ntip\nNONE\n01-Jan-26 00:00:00\nNONE\nNONE\n    1         0    0         0 NONE               1   3 NONE               0   0\n\
-         {:>10}{:>10}{:>10}  0.00000E+00  5.00000E-04  0.00000E+00\n{}{}{none}{none}",
-        2,
-        3000,
-        1,
-        axis(17, "Time", "s"),
-        axis(12, "Acceleration", "m/s2"),
-        none = axis(0, "NONE", "NONE"),
-    );
-    for n in 0..3000 {
+/// A decay of 100 Hz in a universal file that names a window.
+fn windowed(window: u8) -> String {
+    let decay = |n: u16| {
         let t = f64::from(n) * 5e-4;
-        let a = (-3.0 * t).exp() * (std::f64::consts::TAU * 100.0 * t).cos();
-        write!(text, "{a:>20.11e}{}", if n % 4 == 3 { "\n" } else { "" }).unwrap();
-    }
-    let zeros = |n: usize| format!("{:>15}", "0.0000000E+00").repeat(n);
-    text + &format!(
-        "    -1\n    -1\n  1858\n{}\n     0{window:>6}{}\n{}\n{}{:>15}\n{}\nNONE  NONE\nNONE\n    -1\n",
-        format!("{:>12}", 0).repeat(6),
-        format!("{:>6}", 0).repeat(10),
-        zeros(5),
-        zeros(4),
-        "2.5000000E+00",
-        zeros(5),
-    )
+        (-3.0 * t).exp() * (std::f64::consts::TAU * 100.0 * t).cos()
+    };
+    let samples: Vec<f64> = (0..3000).map(decay).collect();
+    universal::channel("tip", (12, "m/s2"), 5e-4, &samples, window)
 }
 
 /// Damping of a record under a window is the window's, too; the header says so, and the exit code was 0.
 #[test]
 fn a_window_that_the_header_names_is_a_breach() {
     let place = folder("");
-    std::fs::write(place.path().join("r.uff"), universal(4)).unwrap();
+    std::fs::write(place.path().join("r.uff"), windowed(4)).unwrap();
     for (command, summary) in [
         ("envelope r.uff", "summary.json"),
         ("fit r.uff", "summary.json"),
@@ -112,7 +91,7 @@ fn a_window_that_the_header_names_is_a_breach() {
         std::fs::remove_dir_all(place.path().join("lenient")).unwrap();
         std::fs::remove_dir_all(place.path().join("strict")).unwrap();
     }
-    std::fs::write(place.path().join("n.uff"), universal(0)).unwrap();
+    std::fs::write(place.path().join("n.uff"), windowed(0)).unwrap();
     let output = iwan(place.path(), "envelope n.uff --strict --out out");
     assert_eq!(output.status.code(), Some(0), "{}", shown(&output));
     // Nothing in these samples shows the window; the fit knows it from the header, and tells no parameter.
@@ -143,7 +122,7 @@ fn like_warnings_are_counted() {
     let place = folder("");
     let spectrum = "    -1\n    58\nx\nNONE\n01-Jan-26 00:00:00\nNONE\nNONE\n    1         0    0         0 NONE               1   3 NONE               0   0\n         5         1         1  0.00000E+00  5.00000E-04  0.00000E+00\n        18    0    0    0 Frequency            Hz                  \n        12    0    0    0 Acceleration         m/s2                \n         0    0    0    0 NONE                 NONE                \n         0    0    0    0 NONE                 NONE                \n  0.0  0.0\n    -1\n";
     let spectra: String = (0..20_000).map(|n| spectrum.replacen("\nx\n", &format!("\nx{n}\n"), 1)).collect();
-    std::fs::write(place.path().join("r.uff"), spectra + &universal(0)).unwrap();
+    std::fs::write(place.path().join("r.uff"), spectra + &windowed(0)).unwrap();
     for command in ["envelope r.uff", "envelope r.uff --peaks"] {
         let output = iwan(place.path(), &format!("{command} --out out --force --json"));
         assert_eq!(output.status.code(), Some(0), "{}", shown(&output));

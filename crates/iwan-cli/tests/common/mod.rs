@@ -7,6 +7,8 @@
     reason = "each test file uses its part; tests may panic"
 )]
 
+pub mod universal;
+
 use std::path::Path;
 use std::process::Output;
 

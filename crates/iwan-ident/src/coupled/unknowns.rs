@@ -62,7 +62,7 @@ pub enum Unknown {
     Participation(usize, usize),
     /// Compliance of a joint through the modes that are left out, times the joint's K_T.
     Compliance(usize),
-    /// Slip of a joint under a unit load, through the modes that are left out.
+    /// Slip of a joint under a unit load, through the modes that are left out; length over force, with the slip of 1 in the joint's first mode as unit.
     SlipAtForce(usize),
     /// Shape of a mode at the sensor over that of the first mode.
     ShapeAtSensor(usize),
@@ -87,7 +87,7 @@ pub struct Values {
     pub participation: Vec<Vec<f64>>,
     /// Compliance ρ of each joint through the modes that are left out.
     pub compliance: Vec<f64>,
-    /// Slip of each joint under a unit load, through the modes left out.
+    /// Slip a of each joint under a unit load, through the modes left out; length over force.
     pub slip_at_force: Vec<f64>,
     /// Shape of each mode at the sensor.
     pub shape_at_sensor: Vec<f64>,
@@ -232,17 +232,18 @@ impl Form {
             Unknown::KT(_) | Unknown::FS(_) | Unknown::ShapeAtSensor(_) => x.exp(),
             Unknown::Chi(_) | Unknown::Participation(..) | Unknown::Compliance(_) => x,
             Unknown::Beta(_) => x / (1.0 - x),
-            Unknown::SlipAtForce(j) => x * self.static_slip(j),
+            Unknown::SlipAtForce(_) => x * self.static_displacement(),
             Unknown::ShapeAtForce(r) => x * reference.shape_at_force[r],
             Unknown::Displacement(k, r) => x * self.sizes[k][r],
             Unknown::Velocity(k, r) => x * self.speed(k, r),
         }
     }
 
-    /// Slip of a joint that sticks under a static unit load by its first mode alone.
-    fn static_slip(&self, j: usize) -> f64 {
-        let omega = std::f64::consts::TAU * self.reference.frequency[j];
-        self.reference.shape_at_force[j] / (omega * omega)
+    /// Largest static displacement of a mode under a unit load: what the slips of modes left out are measured by. The load may stand where a mode has a
+    /// node.
+    fn static_displacement(&self) -> f64 {
+        let of = |(frequency, shape): (&f64, &f64)| shape.abs() / (std::f64::consts::TAU * frequency).powi(2);
+        self.reference.frequency.iter().zip(&self.reference.shape_at_force).map(of).fold(0.0, f64::max)
     }
 
     fn speed(&self, k: usize, r: usize) -> f64 {
@@ -294,4 +295,29 @@ pub(super) struct Given {
     pub(super) forced: bool,
     /// Whether the shapes of the modes at the load are known.
     pub(super) shape_at_force: bool,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn slips_at_a_load_on_a_node_of_the_first_mode_have_a_unit() {
+        let reference = Values {
+            frequency: vec![20.0, 52.0],
+            damping_ratio: vec![0.0; 2],
+            laws: Vec::new(),
+            participation: Vec::new(),
+            compliance: Vec::new(),
+            slip_at_force: Vec::new(),
+            shape_at_sensor: vec![1.0; 2],
+            shape_at_force: vec![0.0, -3.0],
+            initial: Vec::new(),
+        };
+        let given = Given { seen: Seen::Modes, forced: true, shape_at_force: true };
+        let form = Form::new(Sharing::Shared(1), &reference, &[vec![1.0; 2]], given);
+        assert!(form.unknowns.contains(&Unknown::SlipAtForce(0)));
+        let expected = 3.0 / (std::f64::consts::TAU * 52.0).powi(2);
+        assert!((form.value(Unknown::SlipAtForce(0), 1.0) / expected - 1.0).abs() < 1e-12);
+    }
 }

@@ -76,7 +76,8 @@ impl Measured {
             return Err(Failure::input(message, "give --shapes FILE, or choose one channel with --channel"));
         }
         let (mut modes, mut ends) = (Vec::new(), vec![0; recordings.len()]);
-        let mut warnings: Vec<String> = recordings.iter().flat_map(|r| r.warnings.clone()).collect();
+        let mut warnings: Vec<String> =
+            fitted.iter().chain(held).flat_map(|(r, _)| r.warnings.clone()).collect();
         let mut treated = false;
         for one in &wanted {
             let extractions = extract(&recordings, one, method, threads)?;
