@@ -250,9 +250,11 @@ impl Model for CoupledModel<'_> {
             return false;
         }
         // Points at which the model is run: the one asked for, and one with each unknown moved.
-        let moved = |j: usize| self.form.values(&self.moved(x, j).0);
-        let unknowns = if derivatives.is_some() { self.form.unknowns.len() } else { 0 };
-        let points = std::iter::once(self.form.values(x)).chain((0..unknowns).map(moved));
+        let sought: Vec<usize> = derivatives.as_ref().map_or_else(Vec::new, |columns| {
+            (0..columns.len()).filter(|j| !columns[*j].is_empty()).collect()
+        });
+        let moved = |j: &usize| self.form.values(&self.moved(x, *j).0);
+        let points = std::iter::once(self.form.values(x)).chain(sought.iter().map(moved));
         let Some(points) = points.collect::<Option<Vec<Values>>>() else { return false };
         // Making sliders takes as long as a thousand steps: records share them, and so do points whose laws are the same.
         let bins = self.records.first().map_or(0, |record| record.clock.bins);
@@ -262,14 +264,14 @@ impl Model for CoupledModel<'_> {
         let sliders = points.iter().zip(&mut rooms).map(|(point, room)| populations(&point.laws, bins, room));
         let Some(sliders) = sliders.collect::<Option<Vec<Vec<Sliders<'_>>>>>() else { return false };
         // Jobs: each record at the point asked for, and at those that have an effect on it.
-        let mut jobs: Vec<(usize, Option<usize>)> = (0..self.records.len()).map(|k| (k, None)).collect();
+        let mut jobs: Vec<(usize, usize)> = (0..self.records.len()).map(|k| (k, 0)).collect();
         let of = |k: usize| {
-            let all = self.form.unknowns.iter().enumerate().take(unknowns);
-            all.filter(move |(_, u)| Self::matters(**u, k)).map(move |(j, _)| (k, Some(j)))
+            let all = sought.iter().enumerate();
+            all.filter(move |(_, j)| Self::matters(self.form.unknowns[**j], k)).map(move |(i, _)| (k, i + 1))
         };
         jobs.extend((0..self.records.len()).flat_map(of));
-        let work = |(k, unknown): &(usize, Option<usize>)| {
-            let n = unknown.map_or(0, |j| j + 1);
+        let work = |(k, n): &(usize, usize)| {
+            let n = *n;
             let (values, sliders) = (&points[n], &sliders[if is_own(n) { n } else { 0 }]);
             let how = (self.samples[*k], self.quantity);
             let motions = run_with((self.form.sharing, values), sliders, *k, &self.records[*k].clock, how)?;
@@ -278,7 +280,7 @@ impl Model for CoupledModel<'_> {
         let found = in_parallel(&jobs, self.threads, &work);
         let series_of = |k: usize| self.series.iter().filter(move |s| s.record == k);
         let mut plain: Vec<Option<&Vec<Vec<f64>>>> = vec![None; self.records.len()];
-        for ((k, _), entries) in jobs.iter().zip(&found).filter(|((_, unknown), _)| unknown.is_none()) {
+        for ((k, _), entries) in jobs.iter().zip(&found).take(self.records.len()) {
             let Some(entries) = entries else { return false };
             plain[*k] = Some(entries);
             for (series, own) in series_of(*k).zip(entries) {
@@ -289,11 +291,11 @@ impl Model for CoupledModel<'_> {
             }
         }
         let Some(derivatives) = derivatives else { return true };
-        for row in derivatives.iter_mut() {
-            row.fill(0.0);
+        for column in derivatives.iter_mut() {
+            column.fill(0.0);
         }
-        for ((k, unknown), entries) in jobs.iter().zip(&found) {
-            let Some(j) = *unknown else { continue };
+        for ((k, n), entries) in jobs.iter().zip(&found).skip(self.records.len()) {
+            let j = sought[n - 1];
             let (Some(entries), Some(plain)) = (entries, plain[*k]) else { return false };
             let step = self.moved(x, j).1;
             for ((series, moved), own) in series_of(*k).zip(entries).zip(plain) {

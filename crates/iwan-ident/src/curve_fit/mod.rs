@@ -7,5 +7,5 @@ mod averaged;
 pub(crate) use averaged::{DISSIPATION_FLOOR, FREQUENCY_FLOOR};
 pub use averaged::{Fit, Predicted, fit, fit_from, predict};
 pub use start::{Start, beta_root, start};
-pub(crate) use verdict::{Beside, Compared, DISSIPATION, Doubt, left_over};
+pub(crate) use verdict::{Beside, Compared, DISSIPATION, Doubt, Pairs, left_over};
 pub use verdict::{Grade, Verdict};

@@ -41,6 +41,15 @@ pub(crate) struct Compared {
     pub(crate) model: f64,
 }
 
+/// One way of laying a model's curves beside those of records, such as at equal times.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Pairs {
+    /// ln D (D: dissipation per cycle).
+    pub(crate) dissipation: Vec<Compared>,
+    /// Frequency, Hz.
+    pub(crate) frequency: Vec<Compared>,
+}
+
 /// What a record says about a model beside its curves.
 #[derive(Debug, Default)]
 pub(crate) struct Beside {
@@ -115,19 +124,22 @@ pub struct Verdict {
 impl Verdict {
     /// The verdict from ln D and frequency (Hz) at the same amplitudes alone.
     pub(crate) fn new(dissipation: &[Compared], frequency: &[Compared]) -> Self {
-        Self::beside(&Beside::default(), dissipation, frequency)
+        let pairs = Pairs { dissipation: dissipation.to_vec(), frequency: frequency.to_vec() };
+        Self::beside(&Beside::default(), &[pairs])
     }
 
-    /// The verdict from the curves and from what the record itself says.
-    pub(crate) fn beside(beside: &Beside, dissipation: &[Compared], frequency: &[Compared]) -> Self {
+    /// The verdict from the curves, by the way of laying them beside each other in which the model misses most, and from what the record itself says.
+    pub(crate) fn beside(beside: &Beside, ways: &[Pairs]) -> Self {
         let Beside { reasons, leaves_noise, doubt } = beside;
-        let range = frequency
+        let range = ways
             .iter()
+            .flat_map(|pairs| &pairs.frequency)
             .fold((f64::INFINITY, f64::NEG_INFINITY), |r, c| (r.0.min(c.measured), r.1.max(c.measured)));
         let shift = range.1 - range.0;
         let smallest = SHIFT_FLOOR * range.1;
-        let d = Distance::of(dissipation, DISSIPATION);
-        let f = Distance::of(frequency, (FREQUENCY * shift).max(smallest));
+        let d = Distance::farthest(ways.iter().map(|pairs| &pairs.dissipation), DISSIPATION);
+        let f =
+            Distance::farthest(ways.iter().map(|pairs| &pairs.frequency), (FREQUENCY * shift).max(smallest));
         let noise = [(NOISE * d.noise).min(MOST_EXCUSED), NOISE * f.noise];
         let limits = [DISSIPATION.max(noise[0]), (FREQUENCY * shift).max(noise[1]).max(smallest)];
         let usable =
@@ -204,14 +216,27 @@ impl Distance {
         }
         Self { misfit: (misfit / sum).sqrt(), noise: (noise / sum).sqrt() }
     }
+
+    /// The larger misfit of several ways of comparing, those left out in which nothing is compared; not a number where nothing is compared at all.
+    fn farthest<'a>(ways: impl Iterator<Item = &'a Vec<Compared>>, limit: f64) -> Self {
+        let compared = ways.filter(|values| !values.is_empty()).map(|values| Self::of(values, limit));
+        // A misfit that cannot be computed stands for all.
+        let worse = |a: &Self, b: &Self| b.misfit > a.misfit || b.misfit.is_nan();
+        let farthest = compared.reduce(|a, b| if worse(&a, &b) { b } else { a });
+        farthest.unwrap_or(Self { misfit: f64::NAN, noise: f64::NAN })
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    fn beside(beside: &Beside, dissipation: &[Compared], frequency: &[Compared]) -> Verdict {
+        Verdict::beside(beside, &[Pairs { dissipation: dissipation.to_vec(), frequency: frequency.to_vec() }])
+    }
+
     fn beside_noise(dissipation: &[Compared], frequency: &[Compared]) -> Verdict {
-        Verdict::beside(&Beside { leaves_noise: true, ..Beside::default() }, dissipation, frequency)
+        beside(&Beside { leaves_noise: true, ..Beside::default() }, dissipation, frequency)
     }
 
     /// A case that was seen: a joint with a little quadratic damping missed 1.9 % of dissipation and "matched", beside the sentence that the record
@@ -224,50 +249,50 @@ mod tests {
                 .map(|i| Compared { measured: f64::from(i), deviation: 0.0, model: f64::from(i) + by })
                 .collect()
         };
-        let verdict = Verdict::beside(&surpassed, &missed(0.019), &missed(0.0));
+        let verdict = beside(&surpassed, &missed(0.019), &missed(0.0));
         assert!(verdict.grade == Grade::Usable && !verdict.adequate, "{}", verdict.misfit);
         assert!(
             verdict.misfit.contains("keeps both limits, but misses more than noise"),
             "{}",
             verdict.misfit
         );
-        assert_eq!(Verdict::beside(&surpassed, &missed(0.5), &missed(0.0)).grade, Grade::No);
+        assert_eq!(beside(&surpassed, &missed(0.5), &missed(0.0)).grade, Grade::No);
     }
 
     #[test]
     fn what_is_driven_again_is_usable_at_best() {
         let driven = Beside { doubt: Some(Doubt::Driven), ..Beside::default() };
         let same = |by: f64| vec![Compared { measured: 1.0, deviation: 0.0, model: 1.0 + by }; 10];
-        let verdict = Verdict::beside(&driven, &same(0.0), &same(0.0));
+        let verdict = beside(&driven, &same(0.0), &same(0.0));
         assert!(verdict.grade == Grade::Usable && !verdict.adequate, "{}", verdict.misfit);
         assert!(verdict.misfit.contains("driven again"), "{}", verdict.misfit);
-        assert_eq!(Verdict::beside(&driven, &same(0.5), &same(0.0)).grade, Grade::No);
+        assert_eq!(beside(&driven, &same(0.5), &same(0.0)).grade, Grade::No);
     }
 
     #[test]
     fn what_was_treated_before_is_usable_at_best() {
         let treated = Beside { doubt: Some(Doubt::Treated), ..Beside::default() };
         let same = |by: f64| vec![Compared { measured: 1.0, deviation: 0.0, model: 1.0 + by }; 10];
-        let verdict = Verdict::beside(&treated, &same(0.0), &same(0.0));
+        let verdict = beside(&treated, &same(0.0), &same(0.0));
         assert!(verdict.grade == Grade::Usable && verdict.treated && !verdict.adequate, "{}", verdict.misfit);
         assert!(verdict.misfit.contains("filtered or windowed before"), "{}", verdict.misfit);
-        let other = Verdict::beside(&treated, &same(0.5), &same(0.0));
+        let other = beside(&treated, &same(0.5), &same(0.0));
         assert!(other.grade == Grade::No && other.treated, "{}", other.misfit);
     }
 
     #[test]
     fn what_may_be_a_drift_is_usable_at_best() {
-        let beside = Beside { doubt: Some(Doubt::Drift), ..Beside::default() };
+        let drifting = Beside { doubt: Some(Doubt::Drift), ..Beside::default() };
         let missed = |by: f64| -> Vec<Compared> {
             (0..10)
                 .map(|i| Compared { measured: f64::from(i), deviation: 0.0, model: f64::from(i) + by })
                 .collect()
         };
-        let drift = Verdict::beside(&beside, &missed(0.0), &missed(0.0));
+        let drift = beside(&drifting, &missed(0.0), &missed(0.0));
         assert!(drift.grade == Grade::Usable && drift.drift, "{}", drift.misfit);
         assert!(drift.misfit.contains("drifts with time"), "{}", drift.misfit);
         // A record that the model does not describe at all is no drift either.
-        let other = Verdict::beside(&beside, &missed(0.5), &missed(0.0));
+        let other = beside(&drifting, &missed(0.5), &missed(0.0));
         assert!(other.grade == Grade::No && !other.drift, "{}", other.misfit);
     }
 
@@ -292,7 +317,7 @@ mod tests {
         assert!(Verdict::new(&exact, &values(0.0)).adequate);
         // A residual of a third of the amplitudes is no match, whatever the curves say.
         let against = Beside { reasons: left_over(0.33).into_iter().collect(), ..Beside::default() };
-        let refused = Verdict::beside(&against, &exact, &exact);
+        let refused = beside(&against, &exact, &exact);
         assert_eq!(refused.grade, Grade::No);
         // The sentence of such a verdict once said "matches" and "usable" all the same.
         assert_eq!(left_over(0.3), None);

@@ -12,7 +12,8 @@ pub trait Model: Sync {
     /// Number of residuals.
     fn count(&self) -> usize;
 
-    /// Fills the residuals and, where they are asked for, their derivatives: `derivatives[unknown][residual]`. False where the model does not exist at `x`.
+    /// Fills the residuals and, where they are asked for, their derivatives: `derivatives[unknown][residual]`. An unknown whose column is empty is held, and its
+    /// derivatives are not asked for. False where the model does not exist at `x`.
     fn evaluate(&self, x: &[f64], residuals: &mut [f64], derivatives: Option<&mut [Vec<f64>]>) -> bool;
 }
 
@@ -22,8 +23,10 @@ pub(crate) struct Squares<'a, M: Model + ?Sized>(pub(crate) &'a M);
 impl<M: Model + ?Sized> Squares<'_, M> {
     /// Derivatives of the residuals with respect to the unknowns in `free`, one column for each; none where the model does not exist or they are not finite.
     pub(crate) fn derivatives_at(&self, x: &[f64], free: &[usize]) -> Option<DMatrix<f64>> {
-        let (mut residuals, mut derivatives) =
-            (vec![0.0; self.0.count()], vec![vec![0.0; self.0.count()]; x.len()]);
+        let (mut residuals, mut derivatives) = (vec![0.0; self.0.count()], vec![Vec::new(); x.len()]);
+        for j in free {
+            derivatives[*j] = vec![0.0; self.0.count()];
+        }
         let known = self.0.evaluate(x, &mut residuals, Some(&mut derivatives));
         let finite = free.iter().all(|j| derivatives[*j].iter().all(|d| d.is_finite()));
         (known && finite)

@@ -5,6 +5,7 @@
 
 mod settings;
 mod prepared;
+mod beside_record;
 mod days;
 mod laws;
 mod identification;
@@ -17,7 +18,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use iwan_machine::checkpoint::Checkpoint;
 use iwan_machine::threads::{at_once, in_parallel};
 
-use crate::curve_fit::{Beside, Compared, Doubt, Fit, Start, Verdict, fit_from, left_over, start};
+use crate::curve_fit::{Beside, Doubt, Fit, Start, Verdict, fit_from, left_over, start};
 use crate::curves::Curves;
 use crate::error::{Error, check};
 use crate::laws::Extrapolation;
@@ -25,6 +26,7 @@ use crate::likelihood::Likelihood;
 use crate::parameters::{Parameter, Parameters};
 use crate::refine::{Refined, RingDown, Task, TurningPoint};
 use crate::signal::Band;
+use beside_record::beside_record;
 use days::{apart, days, largest, on_mean_day};
 pub use identification::{Identification, Linear};
 pub use laws::compare_laws;
@@ -169,7 +171,7 @@ fn identification(
         leaves_noise: refined.leaves_noise(task.count()),
         doubt: doubts.into_iter().find(|(is_so, _)| *is_so).map(|(_, doubt)| doubt),
     };
-    let verdict = verdict(&beside, &curves, &model_curves, &refined.starts);
+    let verdict = Verdict::beside(&beside, &beside_record(&curves, &model_curves, &refined.starts));
     let others = laws::as_likely(refined.discrepancy.is_found(), laws.as_ref().ok());
     let profiles = laws::with_others(profiles, &others).without(laws::untold(&verdict, laws.as_ref().ok()));
     let profiles =
@@ -222,31 +224,6 @@ fn on_curves(curves: &[Curves], held: &[Held]) -> Result<OnCurves, Error> {
     let names: Vec<Parameter> = held.iter().map(|h| h.parameter).collect();
     let fit = fit_from(curves, &starts, &names)?;
     Ok(OnCurves { start, fit })
-}
-
-/// Compares the curves of records and model at the times that they share. Frequencies are those of the mean day, so that what hits stray by is
-/// neither a misfit nor a shift.
-fn verdict(beside: &Beside, curves: &[Curves], model: &[Curves], starts: &[TurningPoint]) -> Verdict {
-    let (mut dissipation, mut frequency) = (vec![], vec![]);
-    for ((record, model), start) in curves.iter().zip(model).zip(starts) {
-        let mean_day = (-start.day).exp();
-        for (j, t) in model.t.iter().enumerate() {
-            let Some(i) = record.t.iter().position(|s| s == t) else { continue };
-            if record.dissipation[i] > 0.0 && model.dissipation[j] > 0.0 {
-                dissipation.push(Compared {
-                    measured: record.dissipation[i].ln(),
-                    deviation: record.log_dissipation_sd[i],
-                    model: model.dissipation[j].ln(),
-                });
-            }
-            frequency.push(Compared {
-                measured: mean_day * record.frequency[i],
-                deviation: mean_day * record.frequency_sd[i],
-                model: mean_day * model.frequency[j],
-            });
-        }
-    }
-    Verdict::beside(beside, &dissipation, &frequency)
 }
 
 /// The reason against a fit whose frequency lies outside the band in which the mode was looked for: the frequency is not that mode's. None where it

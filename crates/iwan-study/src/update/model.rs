@@ -193,7 +193,7 @@ impl Model for Beside<'_> {
                 residuals[from + i] = (point.frequency - said.frequency) / curve.frequency_sd;
                 residuals[from + n + i] = (point.log_damping - said.log_damping) / curve.damping_sd;
                 if let Some(derivatives) = &mut derivatives {
-                    for (j, column) in derivatives.iter_mut().enumerate() {
+                    for (j, column) in asked_for(derivatives) {
                         column[from + i] = -said.frequency_by[j] / curve.frequency_sd;
                         column[from + n + i] = -said.log_damping_by[j] / curve.damping_sd;
                     }
@@ -204,6 +204,11 @@ impl Model for Beside<'_> {
         self.known_before(x, from, residuals, derivatives);
         residuals.iter().all(|r| r.is_finite())
     }
+}
+
+/// Columns of derivatives that are asked for, each with its unknown.
+fn asked_for(derivatives: &mut [Vec<f64>]) -> impl Iterator<Item = (usize, &mut Vec<f64>)> {
+    derivatives.iter_mut().enumerate().filter(|(_, column)| !column.is_empty())
 }
 
 impl Beside<'_> {
@@ -220,7 +225,7 @@ impl Beside<'_> {
             let place = self.first_factor() + k;
             residuals[from] = x[place] / deviation;
             if let Some(derivatives) = &mut derivatives {
-                derivatives.iter_mut().enumerate().for_each(|(j, column)| {
+                asked_for(derivatives).for_each(|(j, column)| {
                     column[from] = if j == place { deviation.recip() } else { 0.0 };
                 });
             }

@@ -223,8 +223,8 @@ impl Model for Rings<'_> {
     fn evaluate(&self, x: &[f64], residuals: &mut [f64], derivatives: Option<&mut [Vec<f64>]>) -> bool {
         let blows = self.blows.len();
         let mut jobs: Vec<(usize, Option<usize>)> = (0..blows).map(|k| (k, None)).collect();
-        if derivatives.is_some() {
-            let felt = (0..x.len()).filter(|j| !self.unfelt.contains(j));
+        if let Some(derivatives) = &derivatives {
+            let felt = (0..x.len()).filter(|j| !derivatives[*j].is_empty() && !self.unfelt.contains(j));
             jobs.extend(felt.flat_map(|j| (0..blows).map(move |k| (k, Some(j)))));
         }
         let work = |(k, unknown): &(usize, Option<usize>)| {
