@@ -10,7 +10,7 @@ use iwan_core::Backbone;
 use crate::curve_fit::Predicted;
 use crate::error::{Error, check_length};
 use crate::parameters::{Parameter, Parameters};
-use crate::search::{Chart, Minimum, Search, TOLERANCE};
+use crate::search::{Chart, GROWTH, Minimum, Search, TOLERANCE};
 
 /// Unit of the residuals: one per cent of a dissipation weighs as much as one per cent of the whole loss of frequency.
 const ONE_PER_CENT: f64 = 0.01;
@@ -87,6 +87,7 @@ pub fn fit_static(curves: &StaticCurves<'_>, frequency: f64, k_t: f64) -> Result
         iterations: ITERATIONS,
         tolerance: TOLERANCE,
         central: false,
+        growth: GROWTH,
         floor: 0.0,
         kept: None,
     };

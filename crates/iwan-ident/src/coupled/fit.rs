@@ -12,7 +12,7 @@ use super::loads;
 use super::model::{CoupledModel, FIRST, Series};
 use super::outcome::{CoupledFit, FittedSharing, Misfit};
 use super::records::{CoupledRecord, CoupledTask};
-use super::search::{grown, is_white, reweight, settled, weights};
+use super::search::{grown, is_white, reweight, settled, through, weights};
 use super::starts::{by_themselves, drawn, linear, shared, uncoupled};
 use super::unknowns::{Form, Given, Sharing, Values};
 use crate::error::Error;
@@ -112,7 +112,10 @@ pub fn fit_coupled(task: &CoupledTask<'_>) -> Result<CoupledFit, Error> {
             [shared(form, &own), shared(form, &modes), drawn(form, &modes, &largest)].concat()
         });
         match found {
-            Ok(found) => all.push(found),
+            Ok(found) => {
+                all.push(found);
+                through(&mut all);
+            }
             // A model that could not be searched for says nothing against those that were found.
             Err(Error::Refused { finding, .. }) => {
                 let plural = if joints == 1 { "joint" } else { "joints" };
@@ -125,6 +128,7 @@ pub fn fit_coupled(task: &CoupledTask<'_>) -> Result<CoupledFit, Error> {
         }
         done(FITTED[2])?;
     }
+    through(&mut all);
     let criteria = criteria(&all);
     let chosen = (0..all.len()).min_by(|a, b| criteria[*a].total_cmp(&criteria[*b])).unwrap_or(0);
     let models = all

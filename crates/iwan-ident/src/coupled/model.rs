@@ -224,15 +224,19 @@ impl<'a> CoupledModel<'a> {
         }
     }
 
-    /// The point at which the difference for unknown `j` is taken, and its step.
-    fn moved(&self, x: &[f64], j: usize) -> (Vec<f64>, f64) {
+    /// The step with which the difference for unknown `j` is taken.
+    fn step(&self, x: &[f64], j: usize) -> f64 {
         // The participation of another mode may be many times that of the first, so its step is relative.
         let many = matches!(self.form.unknowns[j], Unknown::Participation(..));
         let scale = if many { STEP * x[j].abs().max(1.0) } else { STEP };
-        let step = if x[j] + scale > self.bounds[j].1 { -scale } else { scale };
-        let mut moved = x.to_vec();
-        moved[j] += step;
-        (moved, step)
+        if x[j] + scale > self.bounds[j].1 { -scale } else { scale }
+    }
+
+    /// Entries of record `k` with unknown `j` moved by `step`; none where there is no model.
+    fn entries_at(&self, x: &[f64], (j, step): (usize, f64), k: usize) -> Option<Vec<Vec<f64>>> {
+        let values = self.form.values(&moved(x, j, step))?;
+        let motions = self.run(&values, k, &self.records[k].clock)?;
+        Some(self.entries(&values, k, motions))
     }
 }
 
@@ -253,8 +257,9 @@ impl Model for CoupledModel<'_> {
         let sought: Vec<usize> = derivatives.as_ref().map_or_else(Vec::new, |columns| {
             (0..columns.len()).filter(|j| !columns[*j].is_empty()).collect()
         });
-        let moved = |j: &usize| self.form.values(&self.moved(x, *j).0);
-        let points = std::iter::once(self.form.values(x)).chain(sought.iter().map(moved));
+        let steps: Vec<f64> = sought.iter().map(|j| self.step(x, *j)).collect();
+        let moved = |(j, step): (&usize, &f64)| self.form.values(&moved(x, *j, *step));
+        let points = std::iter::once(self.form.values(x)).chain(sought.iter().zip(&steps).map(moved));
         let Some(points) = points.collect::<Option<Vec<Values>>>() else { return false };
         // Making sliders takes as long as a thousand steps: records share them, and so do points whose laws are the same.
         let bins = self.records.first().map_or(0, |record| record.clock.bins);
@@ -274,14 +279,19 @@ impl Model for CoupledModel<'_> {
             let n = *n;
             let (values, sliders) = (&points[n], &sliders[if is_own(n) { n } else { 0 }]);
             let how = (self.samples[*k], self.quantity);
-            let motions = run_with((self.form.sharing, values), sliders, *k, &self.records[*k].clock, how)?;
-            Some(self.entries(values, *k, motions))
+            let motions = run_with((self.form.sharing, values), sliders, *k, &self.records[*k].clock, how);
+            if let Some(motions) = motions {
+                return Some((self.entries(values, *k, motions), if n == 0 { 0.0 } else { steps[n - 1] }));
+            }
+            // Next to the edge of what holds together there is a model on the other side.
+            let (j, step) = (*sought.get(n.checked_sub(1)?)?, -steps[n - 1]);
+            Some((self.entries_at(x, (j, step), *k)?, step))
         };
         let found = in_parallel(&jobs, self.threads, &work);
         let series_of = |k: usize| self.series.iter().filter(move |s| s.record == k);
         let mut plain: Vec<Option<&Vec<Vec<f64>>>> = vec![None; self.records.len()];
         for ((k, _), entries) in jobs.iter().zip(&found).take(self.records.len()) {
-            let Some(entries) = entries else { return false };
+            let Some((entries, _)) = entries else { return false };
             plain[*k] = Some(entries);
             for (series, own) in series_of(*k).zip(entries) {
                 let out = &mut residuals[series.entries.clone()];
@@ -296,8 +306,7 @@ impl Model for CoupledModel<'_> {
         }
         for ((k, n), entries) in jobs.iter().zip(&found).skip(self.records.len()) {
             let j = sought[n - 1];
-            let (Some(entries), Some(plain)) = (entries, plain[*k]) else { return false };
-            let step = self.moved(x, j).1;
+            let (Some((entries, step)), Some(plain)) = (entries, plain[*k]) else { return false };
             for ((series, moved), own) in series_of(*k).zip(entries).zip(plain) {
                 let out = &mut derivatives[j][series.entries.clone()];
                 out.iter_mut().zip(moved.iter().zip(own)).for_each(|(out, (a, b))| *out = (a - b) / step);
@@ -305,6 +314,13 @@ impl Model for CoupledModel<'_> {
         }
         true
     }
+}
+
+/// A point with unknown `j` moved by `step`.
+fn moved(x: &[f64], j: usize, step: f64) -> Vec<f64> {
+    let mut moved = x.to_vec();
+    moved[j] += step;
+    moved
 }
 
 fn root_mean_square(x: &[f64]) -> f64 {

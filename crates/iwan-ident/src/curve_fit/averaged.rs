@@ -11,7 +11,7 @@ use super::verdict::{Compared, Verdict};
 use crate::curves::Curves;
 use crate::error::{Error, check};
 use crate::parameters::{COUNT, Parameter, Parameters};
-use crate::search::{Chart, Search, TOLERANCE};
+use crate::search::{Chart, GROWTH, Search, TOLERANCE};
 
 /// Least standard deviation of a dissipation, relative: what averaging neglects (second order in the damping), and errors of smooth curves beyond
 /// their noise. Without this floor the loudest, cleanest stretch would decide alone. A judgement, as is the ratio of the two floors: with it
@@ -131,6 +131,7 @@ pub fn fit(curves: &[Curves], first: &Parameters, held: &[Parameter]) -> Result<
         iterations: ITERATIONS,
         tolerance: TOLERANCE,
         central: false,
+        growth: GROWTH,
         floor: 0.0,
         kept: None,
     };

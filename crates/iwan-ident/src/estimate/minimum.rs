@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use super::model::{Model, Squares};
 use crate::error::{Error, check};
-use crate::search::{Minimum, Search, TOLERANCE};
+use crate::search::{LARGE_GROWTH, Minimum, Search, TOLERANCE};
 
 /// Largest number of steps of a search; ten to fifty are usual. A search that has not settled by then is taken where it stands, and `converged` says so.
 const ITERATIONS: usize = 200;
@@ -45,7 +45,17 @@ pub(super) fn search<M: Model + ?Sized>(
     let bounds = model.bounds().to_vec();
     // Residuals are in standard deviations, so a sum of squares of a millionth counts as zero.
     let (count, free) = (model.count(), free.to_vec());
-    Search { count, free, bounds, iterations, tolerance, central: false, floor: 1e-6, kept: None }
+    Search {
+        count,
+        free,
+        bounds,
+        iterations,
+        tolerance,
+        central: false,
+        growth: LARGE_GROWTH,
+        floor: 1e-6,
+        kept: None,
+    }
 }
 
 /// The least sum of squares over the unknowns in `free`; the others keep the values of the start.

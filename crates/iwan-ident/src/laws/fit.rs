@@ -6,7 +6,7 @@ use super::discrepancy::{Ladder, Whitener};
 use super::mode::LawMode;
 use super::slow::Information;
 use super::terms::{Coordinate, Scales, Term, coordinates};
-use crate::search::{Search, TOLERANCE};
+use crate::search::{GROWTH, Search, TOLERANCE};
 
 /// Most rounds in which coordinates and sizes of the discrepancy are made to agree: the sizes stand on a ladder, so that they settle soon.
 const ROUNDS: usize = 4;
@@ -138,6 +138,7 @@ impl<'a> Problem<'a> {
             iterations,
             tolerance,
             central: false,
+            growth: GROWTH,
             floor: 1.0,
             kept: None,
         }

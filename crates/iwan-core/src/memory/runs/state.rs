@@ -42,13 +42,11 @@ pub struct Runs<S> {
     pub(super) frontier: usize,
     /// Index of the topmost run.
     pub(super) top: usize,
+    /// Number of sliders that the last search passed. The next search looks there first, because motions are smooth; what it finds does not
+    /// depend on it.
+    pub(super) passed: usize,
     pub(super) list: S,
 }
-
-/// Number of sliders that are tested one by one for slip before the search along the strengths doubles its stride. Small motions pass a few
-/// sliders, which testing one by one finds soonest; in a jump over hundreds of sliders these first tests are wasted. The value affects
-/// speed alone: from 1 to 8 times differ by a few per cent, for large jumps by a third, and at 64 large jumps take six times as long.
-const WALK: usize = 4;
 
 impl Sliders<'_> {
     /// The virgin state. `runs` has at least one entry per slider.
@@ -62,7 +60,7 @@ impl Sliders<'_> {
             check_length("runs", slice.len(), self.len())?;
         }
         slice[0] = self.untouched();
-        Ok(Runs { u: 0.0, direction: 1.0, frontier: 0, top: 0, list: runs })
+        Ok(Runs { u: 0.0, direction: 1.0, frontier: 0, top: 0, passed: 1, list: runs })
     }
 
     /// The straight piece of F(u) on which the next motion of `state` begins.
@@ -116,6 +114,7 @@ impl<S: AsRef<[Run]> + AsMut<[Run]>> Runs<S> {
         see(&mut self.direction);
         place(&mut self.frontier, room, see);
         place(&mut self.top, room.saturating_sub(1), see);
+        place(&mut self.passed, room, see);
         for run in &mut self.list.as_mut()[..=self.top] {
             place(&mut run.end, room, see);
             [&mut run.sign, &mut run.anchor, &mut run.carried].into_iter().for_each(&mut *see);
@@ -197,7 +196,13 @@ impl<S: AsRef<[Run]> + AsMut<[Run]>> Runs<S> {
     pub(crate) fn pass_breaks(&mut self, table: &[Slider], slips: impl Fn(&Segment) -> bool) {
         while self.frontier + 1 < table.len() && slips(&self.segment(table)) {
             let end = self.run().end;
-            let stuck = if self.travel() == 0.0 { end } else { self.first_stuck(table, end, &slips) };
+            let stuck = if self.travel() == 0.0 {
+                end
+            } else {
+                let stuck = self.first_stuck(table, end, &slips);
+                self.passed = stuck - self.frontier;
+                stuck
+            };
             self.frontier = stuck;
             if stuck < end {
                 break;
@@ -215,18 +220,36 @@ impl<S: AsRef<[Run]> + AsMut<[Run]>> Runs<S> {
         }
     }
 
-    /// First slider behind the frontier, up to `end`, that does not slip; the slider at the frontier does slip.
+    /// First slider behind the frontier, up to `end`, that does not slip; the slider at the frontier does slip. The search begins where the last
+    /// one ended and doubles its stride away from there, so that sliders are bracketed in a few tests whether few slip or hundreds.
     fn first_stuck(&self, table: &[Slider], end: usize, slips: &impl Fn(&Segment) -> bool) -> usize {
         let slips_at = |j: usize| slips(&self.segment_at(table, j));
-        let (mut low, mut step) = (self.frontier, 1);
-        // Invariant: `low` slips.
-        while low + step < end && slips_at(low + step) {
-            low += step;
-            if low - self.frontier >= WALK {
-                step *= 2;
+        // Invariants: `low` slips; `high` does not, or is the end.
+        let (mut low, mut high, mut step) = (self.frontier, end, 1);
+        let guess = low + self.passed;
+        if guess < end && !slips_at(guess) {
+            high = guess;
+            while low + step < high {
+                let at = high - step;
+                if slips_at(at) {
+                    low = at;
+                    break;
+                }
+                (high, step) = (at, 2 * step);
+            }
+        } else {
+            if guess < end {
+                low = guess;
+            }
+            while low + step < high {
+                let at = low + step;
+                if !slips_at(at) {
+                    high = at;
+                    break;
+                }
+                (low, step) = (at, 2 * step);
             }
         }
-        let mut high = (low + step).min(end);
         while high - low > 1 {
             let middle = low + (high - low) / 2;
             if slips_at(middle) {
