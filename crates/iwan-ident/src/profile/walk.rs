@@ -249,7 +249,7 @@ impl<'a, G: Ground> Walk<'a, G> {
             let near = |d: f64| (d.sqrt() - root).abs() <= PRECISION * root;
             let narrow = (outside.at - inside.at).abs() <= PRECISION * (inside.at - start).abs();
             let apart = (root - inside.deviance.sqrt()) * (outside.deviance.sqrt() - root);
-            let straight = apart <= STRAIGHT * root * root;
+            let straight = self.scale.even && apart <= STRAIGHT * root * root;
             if near(inside.deviance) || near(outside.deviance) || narrow || straight {
                 break;
             }

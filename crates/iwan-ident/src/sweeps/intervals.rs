@@ -31,7 +31,7 @@ pub(super) fn profiles(task: &Task<'_>, minimum: &Minimum, known: Known) -> Resu
     let settled = known.settled || !known.slips;
     let better = if settled { f64::NEG_INFINITY } else { BETTER };
     // The errors of the data were estimated, so that the residuals' variance is 1.
-    let scale = Scale { least: minimum.cost, variance: 1.0, limit: known.limit, better };
+    let scale = Scale { least: minimum.cost, variance: 1.0, limit: known.limit, better, even: false };
     let region = region(task, minimum, &scale)?;
     // A better point that a walk meets beside the region comes from the searches' tolerance, not from another valley (local minimum).
     let scale = Scale { better: f64::NEG_INFINITY, ..scale };
