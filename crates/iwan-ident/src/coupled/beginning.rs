@@ -5,6 +5,7 @@ use std::ops::Range;
 
 use nalgebra::{DMatrix, DVector};
 
+use super::between::at_samples;
 use super::model::{Plan, Prepared};
 use super::records::{CoupledRecord, CoupledTask, Seen};
 use super::run::{Clock, run};
@@ -109,16 +110,18 @@ pub(super) fn shapes_at_force(
         let peak = (0..load.len()).max_by(|a, b| load[*a].abs().total_cmp(&load[*b].abs())).unwrap_or(0);
         let samples = (peak + (FIRST_PERIODS / (slowest * record.dt)) as usize).clamp(16.min(all), all);
         let clock = &opened.records[k].clock;
-        let Some(motions) = run((Sharing::Linear, &unit), k, clock, samples, task.quantity) else { continue };
+        let Some(found) = run((Sharing::Linear, &unit), k, clock, samples, task.quantity) else { continue };
+        let motions: Vec<Vec<f64>> =
+            found.modes.iter().map(|rows| at_samples(rows, found.every, samples)).collect();
         // Each motion counts relative to its own size, so that soft blows count as much as hard ones.
         for (m, measured) in record.motions.iter().enumerate() {
             let size: f64 = measured[..samples].iter().map(|x| x * x).sum::<f64>().max(f64::MIN_POSITIVE);
             let seen: Vec<usize> = if task.seen == Seen::Modes { vec![m] } else { (0..n).collect() };
             let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>() / size;
             for &r in &seen {
-                right[r] += product(&motions.modes[r], &measured[..samples]);
+                right[r] += product(&motions[r], &measured[..samples]);
                 for &other in &seen {
-                    square[(r, other)] += product(&motions.modes[r], &motions.modes[other]);
+                    square[(r, other)] += product(&motions[r], &motions[other]);
                 }
             }
         }

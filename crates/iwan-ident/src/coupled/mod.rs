@@ -6,6 +6,7 @@
 
 mod records;
 mod unknowns;
+mod between;
 mod run;
 mod series;
 mod model;
@@ -18,9 +19,9 @@ mod loads;
 mod intervals;
 mod fit;
 
+pub use between::between_samples;
 pub use fit::fit_coupled;
 pub use outcome::{CoupledCombination, CoupledEstimate, CoupledFit, FittedSharing, Misfit};
 pub use records::{CoupledRecord, CoupledTask, Seen, UncoupledMode};
-pub use run::between_samples;
 pub use series::Sums;
 pub use unknowns::{Sharing, Unknown, Values};

@@ -6,6 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use iwan_core::Sliders;
 use iwan_machine::threads::in_parallel;
 
+use super::between::at_samples;
 use super::run::{Clock, Motions, populations, room, run, run_with};
 use super::series::Sums;
 use super::unknowns::{Form, Unknown, Values};
@@ -126,10 +127,11 @@ impl<'a> CoupledModel<'a> {
 
     /// Entries of all series of record `k` as the model makes them, each over its standard deviation.
     fn entries(&self, values: &Values, k: usize, motions: Motions) -> Vec<Vec<f64>> {
-        let motions = self.at_sensors(values, k, motions);
+        let every = motions.every;
+        let rows = self.at_sensors(values, k, motions);
         let of = |series: &Series| {
             let mut out = vec![0.0; series.entries.len()];
-            series.sums.apply(&motions[series.motion], &mut out);
+            series.sums.of_rows((&rows[series.motion], every), self.samples[k], &mut out);
             for x in &mut out {
                 *x /= series.deviation;
             }
@@ -141,19 +143,22 @@ impl<'a> CoupledModel<'a> {
     /// What the sensors of record `k` would show: one series of samples for each motion.
     pub(super) fn motions(&self, values: &Values, k: usize) -> Option<Vec<Vec<f64>>> {
         let motions = self.run(values, k, &self.records[k].clock)?;
-        Some(self.at_sensors(values, k, motions))
+        let every = motions.every;
+        let rows = self.at_sensors(values, k, motions);
+        Some(rows.iter().map(|rows| at_samples(rows, every, self.samples[k])).collect())
     }
 
     fn run(&self, values: &Values, k: usize, clock: &Clock) -> Option<Motions> {
         run((self.form.sharing, values), k, clock, self.samples[k], self.quantity)
     }
 
+    /// What the sensors of record `k` would show, in the same rows as the motions of the modes.
     fn at_sensors(&self, values: &Values, k: usize, motions: Motions) -> Vec<Vec<f64>> {
         let motions = motions.modes;
         if self.records[k].motions.len() == motions.len() {
             return motions;
         }
-        let mut sum = vec![0.0; self.samples[k]];
+        let mut sum = vec![0.0; motions[0].len()];
         for (motion, shape) in motions.iter().zip(&values.shape_at_sensor) {
             sum.iter_mut().zip(motion).for_each(|(sum, q)| *sum += shape * q);
         }

@@ -6,6 +6,7 @@ use iwan_core::{
 };
 use nalgebra::DMatrix;
 
+use super::between::between_samples;
 use super::unknowns::{Sharing, Values};
 use crate::curves::Quantity;
 
@@ -88,52 +89,11 @@ fn samples_a_step(wanted: f64) -> usize {
     (1.0 / wanted).floor().max(1.0) as usize
 }
 
-/// Lagrange's weights of four values, one apart, for a place at the distance `s` behind the second of them.
-fn cubic(s: f64) -> [f64; 4] {
-    let (a, b, c, d) = (s + 1.0, s, s - 1.0, s - 2.0);
-    [-b * c * d / 6.0, a * c * d / 2.0, -a * b * d / 2.0, a * b * c / 6.0]
-}
-
-/// A load at `steps` instants from each of its samples to the next, by a cubic through four samples. Straight lines would multiply the load's
-/// spectrum by sinc²(π f dt), which takes off 0.9 % at 52 Hz sampled at 1 kHz.
-#[must_use]
-pub fn between_samples(force: &[f64], steps: usize) -> Vec<f64> {
-    let at = |n: isize| usize::try_from(n).ok().and_then(|n| force.get(n)).copied().unwrap_or(0.0);
-    let weights: Vec<[f64; 4]> = (0..steps).map(|i| cubic(i as f64 / steps as f64)).collect();
-    let value = |i: usize| {
-        let n = (i / steps).cast_signed();
-        let of = |(k, weight): (usize, &f64)| weight * at(n - 1 + k.cast_signed());
-        weights[i % steps].iter().enumerate().map(of).sum::<f64>()
-    };
-    (0..force.len() * steps).map(value).collect()
-}
-
-/// Interpolates to `samples` samples from rows that are every `every`th of them, by the cubic through the four rows about each sample; there are at least four rows.
-fn at_samples(rows: &[f64], every: usize, samples: usize) -> Vec<f64> {
-    let weights = |first: f64| -> Vec<[f64; 4]> {
-        (0..every).map(|i| cubic(first + i as f64 / every as f64)).collect()
-    };
-    // The first and the last interval have no row on their outer side, so their cubics lean inwards.
-    let last = rows.len() - 2;
-    let mut out = vec![0.0; (last + 1) * every + 1];
-    let fill = |out: &mut [f64], rows: &[f64], weights: &[[f64; 4]]| {
-        for (out, rows) in out.chunks_exact_mut(every).zip(rows.windows(4)) {
-            for (x, w) in out.iter_mut().zip(weights) {
-                *x = (w[0] * rows[0] + w[1] * rows[1]) + (w[2] * rows[2] + w[3] * rows[3]);
-            }
-        }
-    };
-    fill(&mut out[..every], rows, &weights(-1.0));
-    fill(&mut out[every..last * every], rows, &weights(0.0));
-    fill(&mut out[last * every..], &rows[last - 2..], &weights(1.0));
-    out[(last + 1) * every] = rows[last + 1];
-    out.truncate(samples);
-    out
-}
-
-/// Motions of the modes at the samples, and the largest slip of each joint over its φ_max.
+/// Motions of the modes, and the largest slip of each joint over its φ_max.
 pub(super) struct Motions {
+    /// Each mode's motion at every `every`th sample, and two rows beyond the last sample at most.
     pub(super) modes: Vec<Vec<f64>>,
+    pub(super) every: usize,
     pub(super) slip_ratios: Vec<f64>,
 }
 
@@ -183,7 +143,8 @@ pub(super) fn run_with(
     (samples, quantity): (usize, Quantity),
 ) -> Option<Motions> {
     let n = values.frequency.len();
-    let mut out = Motions { modes: vec![Vec::new(); n], slip_ratios: vec![0.0; values.laws.len()] };
+    let mut out =
+        Motions { modes: vec![Vec::new(); n], every: clock.every, slip_ratios: vec![0.0; values.laws.len()] };
     let parts: Vec<Part<'_>> = match sharing {
         Sharing::Linear => (0..n).map(|r| Part { modes: vec![r], joints: Vec::new(), values }).collect(),
         Sharing::Uncoupled => (0..n).map(|r| Part { modes: vec![r], joints: vec![r], values }).collect(),
@@ -292,11 +253,6 @@ impl Part<'_> {
             ([law], [state]) => stepping.one(law, state, &begin, out)?,
             (laws, states) => stepping.several(laws, states, &begin, out)?,
         };
-        if clock.every > 1 {
-            for r in &self.modes {
-                out.modes[*r] = at_samples(&out.modes[*r], clock.every, samples);
-            }
-        }
         for ((joint, slip), law) in self.joints.iter().zip(slips).zip(&laws) {
             out.slip_ratios[*joint] = slip / law.phi_max();
         }
@@ -409,29 +365,8 @@ impl Stepping<'_> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::between::at_samples;
     use super::*;
-
-    #[test]
-    fn samples_between_rows_are_those_of_a_cubic() {
-        let cubic = |t: f64| 1.0 - t * (0.5 - t * (0.3 + 0.02 * t));
-        for (every, samples) in [(2, 18), (3, 26), (5, 37)] {
-            let rows: Vec<f64> = (0..10).map(|n| cubic(f64::from(n * every))).collect();
-            let found = at_samples(&rows, every as usize, samples);
-            assert_eq!(found.len(), samples);
-            for (n, x) in found.iter().enumerate() {
-                let expected = cubic(n as f64);
-                assert!(
-                    (x - expected).abs() < 1e-12 * expected.abs().max(1.0),
-                    "{every} {n}: {x} {expected}"
-                );
-            }
-        }
-        let wave = |n: usize| (std::f64::consts::TAU * n as f64 / (3.0 * STEPS_A_PERIOD)).sin();
-        let rows: Vec<f64> = (0..100).map(|n| wave(3 * n)).collect();
-        let found = at_samples(&rows, 3, 298);
-        let worst = (3..295).map(|n| (found[n] - wave(n)).abs()).fold(0.0, f64::max);
-        assert!(worst < 2e-5, "{worst}");
-    }
 
     /// A record of more samples than the steps need is stepped from every fifth sample to the next, and shows the same motion at all samples.
     #[test]
@@ -458,7 +393,8 @@ mod tests {
         assert_eq!((coarse.every, coarse.steps, coarse.force.len()), (5, 1, 4000));
         let each = Clock { step: dt, every: 1, force: force.clone(), ..coarse.clone() };
         let motions = |clock: &Clock| {
-            run((Sharing::Shared(1), &values), 0, clock, 19_998, Quantity::Acceleration).unwrap().modes
+            let found = run((Sharing::Shared(1), &values), 0, clock, 19_998, Quantity::Acceleration).unwrap();
+            found.modes.iter().map(|rows| at_samples(rows, found.every, 19_998)).collect::<Vec<_>>()
         };
         for (mode, (found, expected)) in motions(&coarse).iter().zip(&motions(&each)).enumerate() {
             assert_eq!((found.len(), expected.len()), (19_998, 19_998));

@@ -2,6 +2,8 @@
 
 use std::f64::consts::{PI, TAU};
 
+use super::between::{at_samples, in_blocks};
+
 /// Number of entries in a period of the fastest mode where samples are averaged: 12 lose 1 % of its amplitude.
 const ENTRIES_A_PERIOD: f64 = 12.0;
 /// Length of a window about a mode's frequency, in periods of the mode: over 8 the amplitude of a mode with 1 % damping falls to no less than about a half.
@@ -62,6 +64,21 @@ impl Sums {
     pub const fn length(&self) -> usize {
         match self {
             Self::Blocks(length) | Self::Windows { length, .. } => *length,
+        }
+    }
+
+    /// Fills `out` with the entries of `samples` samples that are known at every so-manyth of them (`rows`).
+    pub(super) fn of_rows(&self, (rows, every): (&[f64], usize), samples: usize, out: &mut [f64]) {
+        match self {
+            _ if every == 1 => self.apply(&rows[..samples], out),
+            Self::Blocks(block) => {
+                in_blocks(rows, every, *block, out);
+                let scale = (*block as f64).sqrt().recip();
+                for sum in out.iter_mut() {
+                    *sum *= scale;
+                }
+            }
+            Self::Windows { .. } => self.apply(&at_samples(rows, every, samples), out),
         }
     }
 
