@@ -5,11 +5,9 @@ use std::ops::Range;
 
 use nalgebra::{DMatrix, DVector};
 
-use super::between::at_samples;
 use super::model::{Plan, Prepared};
+use super::motion::{Clock, Sums, amplitude, at_samples, run};
 use super::records::{CoupledRecord, CoupledTask, Seen};
-use super::run::{Clock, run};
-use super::series::{Sums, amplitude};
 use super::unknowns::{Sharing, Values};
 
 /// Periods of the slowest mode, counted from the largest load, over which shapes at the load are first found as if the modes were linear. Within five such periods joints

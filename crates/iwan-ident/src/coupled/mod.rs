@@ -6,9 +6,7 @@
 
 mod records;
 mod unknowns;
-mod between;
-mod run;
-mod series;
+mod motion;
 mod model;
 mod beginning;
 mod starts;
@@ -19,9 +17,8 @@ mod loads;
 mod intervals;
 mod fit;
 
-pub use between::between_samples;
 pub use fit::fit_coupled;
+pub use motion::{Sums, between_samples};
 pub use outcome::{CoupledCombination, CoupledEstimate, CoupledFit, FittedSharing, Misfit};
 pub use records::{CoupledRecord, CoupledTask, Seen, UncoupledMode};
-pub use series::Sums;
 pub use unknowns::{Sharing, Unknown, Values};

@@ -6,9 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use iwan_core::Sliders;
 use iwan_machine::threads::in_parallel;
 
-use super::between::at_samples;
-use super::run::{Clock, Motions, populations, room, run, run_with};
-use super::series::Sums;
+use super::motion::{Clock, Motions, Sums, at_samples, populations, room, run, run_with};
 use super::unknowns::{Form, Unknown, Values};
 use crate::curves::Quantity;
 use crate::estimate::Model;

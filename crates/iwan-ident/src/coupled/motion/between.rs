@@ -22,7 +22,7 @@ pub fn between_samples(force: &[f64], steps: usize) -> Vec<f64> {
 
 /// Interpolates to `samples` samples from rows that are every `every`th of them, by the cubic through the four rows about each sample; there are at least four rows
 /// where `every` is more than one.
-pub(super) fn at_samples(rows: &[f64], every: usize, samples: usize) -> Vec<f64> {
+pub(in crate::coupled) fn at_samples(rows: &[f64], every: usize, samples: usize) -> Vec<f64> {
     if every == 1 {
         return rows[..samples].to_vec();
     }

@@ -68,7 +68,12 @@ impl Sums {
     }
 
     /// Fills `out` with the entries of `samples` samples that are known at every so-manyth of them (`rows`).
-    pub(super) fn of_rows(&self, (rows, every): (&[f64], usize), samples: usize, out: &mut [f64]) {
+    pub(in crate::coupled) fn of_rows(
+        &self,
+        (rows, every): (&[f64], usize),
+        samples: usize,
+        out: &mut [f64],
+    ) {
         match self {
             _ if every == 1 => self.apply(&rows[..samples], out),
             Self::Blocks(block) => {
@@ -123,7 +128,7 @@ fn turned(samples: &[f64], first: usize, weights: &[f64], turn: f64) -> [f64; 2]
 }
 
 /// A complex amplitude at the first sample, real and imaginary part of x ≈ Re Z exp(iωt), over the first `length` samples.
-pub(super) fn amplitude(samples: &[f64], length: usize, turn: f64) -> [f64; 2] {
+pub(in crate::coupled) fn amplitude(samples: &[f64], length: usize, turn: f64) -> [f64; 2] {
     let length = length.min(samples.len());
     let [c, s] = turned(samples, 0, &hann(length), turn);
     // Σ w cos² = length/4 for Hann's window, and Σ w² = 3 length/8.

@@ -7,7 +7,7 @@ use iwan_core::{
 use nalgebra::DMatrix;
 
 use super::between::between_samples;
-use super::unknowns::{Sharing, Values};
+use crate::coupled::unknowns::{Sharing, Values};
 use crate::curves::Quantity;
 
 /// Number of sliders of a joint. 200 keep the dissipation per cycle within 0.14 % from 0.001 to 0.3 φ_max, a fifth of the least misfit of a
@@ -15,34 +15,34 @@ use crate::curves::Quantity;
 const BINS: usize = 200;
 /// Least number of steps in a period of the fastest mode: prewarped average acceleration keeps the mode's frequency, and the joint's force is then off
 /// by (2π/40)²/12 = 0.2 % of what it loses in a step.
-pub(super) const STEPS_A_PERIOD: f64 = 40.0;
+pub(in crate::coupled) const STEPS_A_PERIOD: f64 = 40.0;
 /// Number of rows stepped at a time: those of four modes take 100 kB, which stay in the cache.
 const ROWS: usize = 1024;
 
 /// Times at which a record is stepped: several steps for each sample, or several samples for each step.
 #[derive(Debug, Clone)]
-pub(super) struct Clock {
+pub(in crate::coupled) struct Clock {
     /// Step, s.
-    pub(super) step: f64,
+    pub(in crate::coupled) step: f64,
     /// Steps for each sample; 1 where a step spans several samples.
     steps: usize,
     /// Samples for each step; 1 where a sample takes several steps.
     every: usize,
     /// Load at each step; empty where there is none.
-    pub(super) force: Vec<f64>,
+    pub(in crate::coupled) force: Vec<f64>,
     /// Number of sliders of a joint.
-    pub(super) bins: usize,
+    pub(in crate::coupled) bins: usize,
 }
 
 impl Clock {
     /// Steps for samples `dt` apart that resolve the frequency `fastest` (Hz). Records of many more samples than that are stepped from every second or third sample
     /// to the next; what their sensors show in between follows by cubics, which are off by 1e-5 at forty steps a period.
-    pub(super) fn new(dt: f64, force: Option<&[f64]>, fastest: f64) -> Self {
+    pub(in crate::coupled) fn new(dt: f64, force: Option<&[f64]>, fastest: f64) -> Self {
         Self::of((dt, force), dt * fastest * STEPS_A_PERIOD, BINS)
     }
 
     /// The same with `times` times the steps, or more, and with `times²` as many sliders: both errors are of second order, and sliders cost nothing.
-    pub(super) fn finer(dt: f64, force: Option<&[f64]>, fastest: f64, times: usize) -> Self {
+    pub(in crate::coupled) fn finer(dt: f64, force: Option<&[f64]>, fastest: f64, times: usize) -> Self {
         let wanted = dt * fastest * STEPS_A_PERIOD;
         let own = if wanted > 1.0 { wanted.ceil() } else { 1.0 / samples_a_step(wanted) as f64 };
         Self::of((dt, force), times as f64 * own, times * times * BINS)
@@ -60,17 +60,17 @@ impl Clock {
     }
 
     /// The same with another load at its steps.
-    pub(super) fn with_load(&self, force: Vec<f64>) -> Self {
+    pub(in crate::coupled) fn with_load(&self, force: Vec<f64>) -> Self {
         Self { force, ..self.clone() }
     }
 
     /// Time between samples of the record, s.
-    pub(super) fn sample(&self) -> f64 {
+    pub(in crate::coupled) fn sample(&self) -> f64 {
         self.step * self.steps as f64 / self.every as f64
     }
 
     /// Number of steps for this many samples.
-    pub(super) fn steps_for(&self, samples: usize) -> usize {
+    pub(in crate::coupled) fn steps_for(&self, samples: usize) -> usize {
         samples * self.steps / self.every
     }
 
@@ -90,11 +90,11 @@ fn samples_a_step(wanted: f64) -> usize {
 }
 
 /// Motions of the modes, and the largest slip of each joint over its φ_max.
-pub(super) struct Motions {
+pub(in crate::coupled) struct Motions {
     /// Each mode's motion at every `every`th sample, and two rows beyond the last sample at most.
-    pub(super) modes: Vec<Vec<f64>>,
-    pub(super) every: usize,
-    pub(super) slip_ratios: Vec<f64>,
+    pub(in crate::coupled) modes: Vec<Vec<f64>>,
+    pub(in crate::coupled) every: usize,
+    pub(in crate::coupled) slip_ratios: Vec<f64>,
 }
 
 /// A group of modes and joints that move together.
@@ -105,12 +105,12 @@ struct Part<'a> {
 }
 
 /// Memory for the sliders of `joints` joints.
-pub(super) fn room(joints: usize, bins: usize) -> Vec<Vec<Slider>> {
+pub(in crate::coupled) fn room(joints: usize, bins: usize) -> Vec<Vec<Slider>> {
     vec![vec![Slider::default(); Sliders::table_len(bins)]; joints]
 }
 
 /// The sliders of joints with these laws; none where a law cannot be discretised.
-pub(super) fn populations<'a>(
+pub(in crate::coupled) fn populations<'a>(
     laws: &[FourParameter],
     bins: usize,
     room: &'a mut [Vec<Slider>],
@@ -122,7 +122,7 @@ pub(super) fn populations<'a>(
 }
 
 /// Motion of the modes in record `k` over `samples` samples; none where modes and joints make no structure that holds.
-pub(super) fn run(
+pub(in crate::coupled) fn run(
     of: (Sharing, &Values),
     k: usize,
     clock: &Clock,
@@ -135,7 +135,7 @@ pub(super) fn run(
 }
 
 /// The same with sliders that are already made.
-pub(super) fn run_with(
+pub(in crate::coupled) fn run_with(
     (sharing, values): (Sharing, &Values),
     sliders: &[Sliders<'_>],
     k: usize,
