@@ -46,7 +46,7 @@ const BLOCKED: usize = 24;
 /// Factor on the damping after a step that brought nothing: the next step is up to thirty times shorter.
 pub(crate) const GROWTH: f64 = 30.0;
 /// The same where each step costs a ring-down and valleys are no narrower than noise or the model's own creases: three tries in place of five. It takes a quarter of the time
-/// off fits of records. In records without noise searches with it ended beside narrow valleys, and an interval of a damping ratio excluded the truth.
+/// off fits of records. Records without noise keep the smaller factor, because their valleys are narrower; whether they need it was not tried on the sets of the book.
 pub(crate) const LARGE_GROWTH: f64 = 300.0;
 /// Longest step of a coordinate in one iteration: a factor of e for logarithms, beyond which a linearisation says nothing. Longer steps are cut to
 /// it.
