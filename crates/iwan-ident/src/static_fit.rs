@@ -10,7 +10,7 @@ use iwan_core::Backbone;
 use crate::curve_fit::Predicted;
 use crate::error::{Error, check_length};
 use crate::parameters::{Parameter, Parameters};
-use crate::search::{Chart, GROWTH, Minimum, Search, TOLERANCE};
+use crate::search::{Chart, Minimum, Search, TOLERANCE};
 
 /// Unit of the residuals: one per cent of a dissipation weighs as much as one per cent of the whole loss of frequency.
 const ONE_PER_CENT: f64 = 0.01;
@@ -80,17 +80,8 @@ pub fn fit_static(curves: &StaticCurves<'_>, frequency: f64, k_t: f64) -> Result
     let held = [Parameter::Frequency, Parameter::DampingRatio, Parameter::KT];
     let middle = curves.displacement.iter().map(|q| q.ln()).sum::<f64>() / count as f64;
     let chart = Chart::holding(&held, middle.exp());
-    let search = Search {
-        count: 2 * count,
-        free: (0..6).filter(|j| held.iter().all(|h| chart.index(*h) != Some(*j))).collect(),
-        bounds: Chart::bounds().to_vec(),
-        iterations: ITERATIONS,
-        tolerance: TOLERANCE,
-        central: false,
-        growth: GROWTH,
-        floor: 0.0,
-        kept: None,
-    };
+    let free = (0..6).filter(|j| held.iter().all(|h| chart.index(*h) != Some(*j))).collect();
+    let search = Search::new(2 * count, free, Chart::bounds().to_vec(), (ITERATIONS, TOLERANCE));
     let mut residuals = |x: &[f64], out: &mut [f64]| residuals(curves, &chart.parameters(x), out).is_some();
     let mut best: Option<Minimum> = None;
     for first in starts(curves, frequency, k_t)? {

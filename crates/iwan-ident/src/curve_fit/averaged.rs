@@ -11,7 +11,7 @@ use super::verdict::{Compared, Verdict};
 use crate::curves::Curves;
 use crate::error::{Error, check};
 use crate::parameters::{COUNT, Parameter, Parameters};
-use crate::search::{Chart, GROWTH, Search, TOLERANCE};
+use crate::search::{Chart, Search, TOLERANCE};
 
 /// Least standard deviation of a dissipation, relative: what averaging neglects (second order in the damping), and errors of smooth curves beyond
 /// their noise. Without this floor the loudest, cleanest stretch would decide alone. A judgement, as is the ratio of the two floors: with it
@@ -124,17 +124,7 @@ pub fn fit(curves: &[Curves], first: &Parameters, held: &[Parameter]) -> Result<
     }
     let chart = Chart::holding(held, middle(&entries));
     let free = (0..COUNT).filter(|j| held.iter().all(|h| chart.index(*h) != Some(*j))).collect();
-    let search = Search {
-        count: 2 * entries.len(),
-        free,
-        bounds: Chart::bounds().to_vec(),
-        iterations: ITERATIONS,
-        tolerance: TOLERANCE,
-        central: false,
-        growth: GROWTH,
-        floor: 0.0,
-        kept: None,
-    };
+    let search = Search::new(2 * entries.len(), free, Chart::bounds().to_vec(), (ITERATIONS, TOLERANCE));
     let mut residuals = |x: &[f64], out: &mut [f64]| residuals(&entries, &chart.parameters(x), out);
     let found = search.run(&mut residuals, &chart.coordinates(first)?).ok_or_else(|| Error::Refused {
         finding: "the start values have no curves".into(),

@@ -37,25 +37,11 @@ impl From<&Found> for Minimum {
 }
 
 /// The search over the unknowns in `free`, with a largest number of iterations and a relative reduction at which it ends.
-pub(super) fn search<M: Model + ?Sized>(
-    model: &M,
-    free: &[usize],
-    (iterations, tolerance): (usize, f64),
-) -> Search {
+pub(super) fn search<M: Model + ?Sized>(model: &M, free: &[usize], effort: (usize, f64)) -> Search {
     let bounds = model.bounds().to_vec();
     // Residuals are in standard deviations, so a sum of squares of a millionth counts as zero.
     let (count, free) = (model.count(), free.to_vec());
-    Search {
-        count,
-        free,
-        bounds,
-        iterations,
-        tolerance,
-        central: false,
-        growth: LARGE_GROWTH,
-        floor: 1e-6,
-        kept: None,
-    }
+    Search { growth: LARGE_GROWTH, floor: 1e-6, ..Search::new(count, free, bounds, effort) }
 }
 
 /// The least sum of squares over the unknowns in `free`; the others keep the values of the start.

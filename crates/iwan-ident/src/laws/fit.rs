@@ -6,7 +6,7 @@ use super::discrepancy::{Ladder, Whitener};
 use super::mode::LawMode;
 use super::slow::Information;
 use super::terms::{Coordinate, Scales, Term, coordinates};
-use crate::search::{GROWTH, Search, TOLERANCE};
+use crate::search::{Search, TOLERANCE};
 
 /// Most rounds in which coordinates and sizes of the discrepancy are made to agree: the sizes stand on a ladder, so that they settle soon.
 const ROUNDS: usize = 4;
@@ -131,17 +131,10 @@ impl<'a> Problem<'a> {
     }
 
     fn search_but(&self, held: Option<usize>, iterations: usize, tolerance: f64) -> Search {
-        Search {
-            count: self.information.target.len(),
-            free: (0..self.coordinates.len()).filter(|j| Some(*j) != held).collect(),
-            bounds: self.coordinates.iter().map(|c| c.bounds).collect(),
-            iterations,
-            tolerance,
-            central: false,
-            growth: GROWTH,
-            floor: 1.0,
-            kept: None,
-        }
+        let free = (0..self.coordinates.len()).filter(|j| Some(*j) != held).collect();
+        let bounds = self.coordinates.iter().map(|c| c.bounds).collect();
+        let count = self.information.target.len();
+        Search { floor: 1.0, ..Search::new(count, free, bounds, (iterations, tolerance)) }
     }
 
     /// The coordinates next to `x` that make other residuals, of which there are as many, least in squares.

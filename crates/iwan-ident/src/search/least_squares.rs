@@ -44,7 +44,7 @@ const FORETOLD: f64 = 0.3;
 /// more than a tenth of their time. For the dozen unknowns of one record or a law they are less than a hundredth.
 const BLOCKED: usize = 24;
 /// Factor on the damping after a step that brought nothing: the next step is up to thirty times shorter.
-pub(crate) const GROWTH: f64 = 30.0;
+const GROWTH: f64 = 30.0;
 /// The same where each step costs a ring-down and valleys are no narrower than noise or the model's own creases: three tries in place of five. It takes a quarter of the time
 /// off fits of records. Records without noise keep the smaller factor, because their valleys are narrower; whether they need it was not tried on the sets of the book.
 pub(crate) const LARGE_GROWTH: f64 = 300.0;
@@ -87,6 +87,18 @@ pub(crate) struct Minimum {
 }
 
 impl Search {
+    /// A search over the coordinates in `free` with at most this many iterations, until one of them reduces the sum of squares by less than the relative `tolerance`. Residuals are
+    /// taken as exact, derivatives are one-sided, and the end is not kept.
+    pub(crate) const fn new(
+        count: usize,
+        free: Vec<usize>,
+        bounds: Vec<(f64, f64)>,
+        (iterations, tolerance): (usize, f64),
+    ) -> Self {
+        let (central, growth, floor) = (false, GROWTH, 0.0);
+        Self { count, free, bounds, iterations, tolerance, central, growth, floor, kept: None }
+    }
+
     /// The least sum of squares from `start`; none when there are no residuals at the start, or fewer of them than unknowns.
     pub(crate) fn run<P: Problem + ?Sized>(&self, residuals: &mut P, start: &[f64]) -> Option<Minimum> {
         let (r, cost) = self.begin(residuals, start)?;
@@ -356,17 +368,7 @@ mod tests {
     use super::*;
 
     fn search(count: usize, free: &[usize], bounds: &[(f64, f64)]) -> Search {
-        Search {
-            count,
-            free: free.to_vec(),
-            bounds: bounds.to_vec(),
-            iterations: 200,
-            tolerance: TOLERANCE,
-            central: false,
-            growth: GROWTH,
-            floor: 0.0,
-            kept: None,
-        }
+        Search::new(count, free.to_vec(), bounds.to_vec(), (200, TOLERANCE))
     }
 
     const NONE: (f64, f64) = (f64::NEG_INFINITY, f64::INFINITY);

@@ -5,7 +5,7 @@ use nalgebra::DMatrix;
 use super::task::Task;
 use crate::likelihood::Buffers;
 use crate::profile::{Charted, Ground, Region, Scale, is_all_joint};
-use crate::search::{Chart, GROWTH, Minimum, Search, TOLERANCE as FINE};
+use crate::search::{Chart, Minimum, Search, TOLERANCE as FINE};
 
 /// Relative reduction of the sum of squares at which a search on the way along the knees ends: a hundredth of a residual's variance among a thousand.
 const TOLERANCE: f64 = 1e-6;
@@ -40,18 +40,7 @@ impl Ground for Task<'_> {
 
     fn jacobian(&self, x: &[f64], free: Vec<usize>, work: &mut Buffers) -> Option<DMatrix<f64>> {
         let bounds = Task::bounds(self);
-        let (count, iterations, tolerance) = (self.count(), 0, FINE);
-        let search = Search {
-            count,
-            free,
-            bounds,
-            iterations,
-            tolerance,
-            central: false,
-            growth: GROWTH,
-            floor: 0.0,
-            kept: None,
-        };
+        let search = Search::new(self.count(), free, bounds, (0, FINE));
         let mut residuals = |x: &[f64], out: &mut [f64]| self.residuals(x, out, work);
         let mut r = vec![0.0; self.count()];
         residuals(x, &mut r);

@@ -10,7 +10,7 @@ use crate::error::Error;
 use crate::likelihood::{Buffers, Likelihood};
 use crate::parameters::{COUNT, Parameter, Parameters};
 use crate::refine::TurningPoint;
-use crate::search::{Chart, DIRAC, GROWTH, Minimum, Search};
+use crate::search::{Chart, DIRAC, Minimum, Search};
 
 /// Index of the other modes' flexibility among the unknowns, which is in units of 1/ω0² of the first guess; the drifts of the measurements stand behind it.
 pub(super) const OTHERS: usize = COUNT;
@@ -247,19 +247,7 @@ impl<'a> Task<'a> {
         iterations: usize,
     ) -> Option<Minimum> {
         let mut buffers = Buffers::default();
-        let bounds = self.bounds();
-        let (count, floor) = (self.count(), 0.0);
-        let search = Search {
-            count,
-            free,
-            bounds,
-            iterations,
-            tolerance,
-            central: false,
-            growth: GROWTH,
-            floor,
-            kept: None,
-        };
+        let search = Search::new(self.count(), free, self.bounds(), (iterations, tolerance));
         search.run(&mut |x: &[f64], out: &mut [f64]| self.residuals(x, out, &mut buffers), x)
     }
 
