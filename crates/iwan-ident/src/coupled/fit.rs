@@ -111,24 +111,25 @@ pub fn fit_coupled(task: &CoupledTask<'_>) -> Result<CoupledFit, Error> {
             }
             [shared(form, &own), shared(form, &modes), drawn(form, &modes, &largest)].concat()
         });
-        match found {
+        let searched_on = if joints == 1 { 0 } else { all.len() };
+        let refused = match found {
             Ok(found) => {
                 all.push(found);
-                through(&mut all);
+                None
             }
             // A model that could not be searched for says nothing against those that were found.
-            Err(Error::Refused { finding, .. }) => {
-                let plural = if joints == 1 { "joint" } else { "joints" };
-                warnings.push(format!(
-                    "{joints} shared {plural} could not be held against the records: {finding}"
-                ));
-                break;
-            }
+            Err(Error::Refused { finding, .. }) => Some(finding),
             Err(error) => return Err(error),
+        };
+        through(&mut all, searched_on);
+        if let Some(finding) = refused {
+            let plural = if joints == 1 { "joint" } else { "joints" };
+            warnings
+                .push(format!("{joints} shared {plural} could not be held against the records: {finding}"));
+            break;
         }
         done(FITTED[2])?;
     }
-    through(&mut all);
     let criteria = criteria(&all);
     let chosen = (0..all.len()).min_by(|a, b| criteria[*a].total_cmp(&criteria[*b])).unwrap_or(0);
     let models = all

@@ -54,11 +54,11 @@ pub(super) fn grown(model: &mut CoupledModel<'_>, starts: &[Vec<f64>]) -> Result
     })
 }
 
-/// Searches on from where [`grown`] ended before its minimum, in the models that may be the best: a search that has not reached its minimum would speak against
-/// its model by how far it still has to go.
-pub(super) fn through(all: &mut [(CoupledModel<'_>, Found)]) {
+/// Searches on from where [`grown`] ended before its minimum, in those models from number `first` on that may be the best of `all`: a search that has not reached its
+/// minimum would speak against its model by how far it still has to go.
+pub(super) fn through(all: &mut [(CoupledModel<'_>, Found)], first: usize) {
     let least = all.iter().map(|(_, found)| found.cost).fold(f64::INFINITY, f64::min);
-    for (model, found) in all.iter_mut().filter(|(_, found)| found.cost <= NEAR_BEST * least) {
+    for (model, found) in all[first..].iter_mut().filter(|(_, found)| found.cost <= NEAR_BEST * least) {
         for _ in 0..FURTHER {
             if found.converged {
                 break;
