@@ -18,7 +18,7 @@ use super::release::{Sampling, TurningPoint};
 use super::ring_down::{Discrepancy, Refined, RingDown};
 use crate::error::{Error, check};
 use crate::parameters::{COUNT, Parameter, Parameters};
-use crate::search::{Chart, Kept, LARGE_GROWTH, Minimum, Search};
+use crate::search::{Chart, Kept, Minimum, Search};
 
 /// Unknowns of each record: ln of the first amplitude over its guess, phase of the release, and ln of the record's own frequency at small amplitude
 /// over that of its windows. The third is not the day's frequency over the mean: a record tells its own frequency, and a mean that moves with all
@@ -282,9 +282,7 @@ impl Task {
         let floor = self.count() as f64 * self.least_variance();
         let (count, bounds) = (self.count(), self.bounds());
         let kept = self.kept.clone().map(|checkpoint| Kept { checkpoint, stopped: self.stopped.clone() });
-        let plain =
-            Search { central, floor, kept, ..Search::new(count, free, bounds, (iterations, tolerance)) };
-        if self.shows_no_noise() { plain } else { Search { growth: LARGE_GROWTH, ..plain } }
+        Search { central, floor, kept, ..Search::new(count, free, bounds, (iterations, tolerance)) }
     }
 
     /// Takes what sampling adds to the model's amplitudes from the ring-down at `x`: harmonics that fold back where a cycle has few samples, and the
