@@ -229,6 +229,24 @@ impl<'a, B: Backbone, S: AsRef<[Reversal]> + AsMut<[Reversal]>> Decay<'a, B, S> 
         self.map.load - self.map.viscous * v - self.map.k_inf * q - force
     }
 
+    /// Displacement, with its sign, from the last turning point to the next one; none where the map does not cover the half cycle between them (a start between turning
+    /// points, or an older loop that closes).
+    ///
+    /// In micro-slip all that follows from a turning point, but for a constant displacement, follows from this travel alone: Masing's rule gives every half cycle the same branch.
+    ///
+    /// ```
+    /// use iwan_core::{Decay, FourParameter, Motion, Oscillator, ResidualStiffness, Reversal};
+    /// let joint = FourParameter::new(4.45e4, 239.4, -0.183, 0.3)?;
+    /// let mode = Oscillator::new(124.0, 1e-3, joint.k_t(), ResidualStiffness::Positive)?;
+    /// let mut decay = Decay::new(&mode, &joint, 0.0, Motion::held_at(0.001), [Reversal::default(); 64])?;
+    /// let travel = decay.travel().unwrap();
+    /// assert_eq!(0.001 + travel, decay.next().unwrap().displacement);
+    /// # Ok::<(), iwan_core::Error>(())
+    /// ```
+    pub fn travel(&self) -> Option<f64> {
+        self.under_way.then(|| self.half.travel())
+    }
+
     /// Moves to the next turning point; none if the mass is at rest or creeps towards rest.
     #[expect(
         clippy::should_implement_trait,

@@ -104,6 +104,11 @@ impl HalfCycle {
         self.start + self.direction * self.length
     }
 
+    /// Displacement over the half cycle, with its sign.
+    pub(crate) fn travel(&self) -> f64 {
+        self.direction * self.length
+    }
+
     /// Whether the half cycle stayed in micro-slip under a power law.
     #[inline]
     pub(crate) fn is_micro_slip(&self) -> bool {

@@ -1,108 +1,70 @@
-//! Half cycles of a slow decay: smooth functions of the amplitude, taken from a table.
+//! Half cycles as smooth functions, taken from a table.
 //!
-//! In micro-slip a half cycle follows from its amplitude alone, because the tip of its loop has settled next to the virgin curve; in macro-slip as
-//! well, because the tip lies on that curve. All that a half cycle gives (the amplitude after it, its duration, its moments) changes smoothly with ln
-//! amplitude, except for a bend between micro-slip and macro-slip. So half cycles are computed at a few amplitudes, the nodes of a table, and
-//! interpolated by polynomials; the decay still goes from half cycle to half cycle.
+//! In micro-slip Masing's rule gives every half cycle the same branch, so that all of it, but for a constant displacement, follows from its travel, and with it the travel of the
+//! next half cycle. In macro-slip it follows from the amplitude at which it begins, because the tip of the loop lies on the virgin curve. Both change smoothly with the logarithm, except
+//! for a bend between micro-slip and macro-slip. So half cycles are computed at a few amplitudes or half travels, the nodes of a table, and interpolated by polynomials; the
+//! decay goes on from half cycle to half cycle, or by strides over many of them.
 
 use std::collections::VecDeque;
 
 use iwan_core::{Decay, FourParameter, HalfCycleTables, Motion, Oscillator, Reversal};
 use rustfft::num_complex::Complex64;
 
+use super::strides::{Rule, STRIDE_VALUES, Stride};
+use super::tabled::{Node, Tabled};
 use crate::curves::Quantity;
 use crate::parameters::{COUNT, Parameters};
 
-/// Spacing of a table's nodes in ln amplitude in micro-slip, where half cycles depend on powers of the amplitude only: a slow decay of a thousand
-/// cycles is then right to 1.5e-5 of its amplitudes (the test in `decay`), most of which is the settling of loops (see [`FASTEST`]).
-const SPACING: f64 = 0.24;
-/// Largest spacing of a table's nodes in ln amplitude in macro-slip, where half cycles change with the distance from φ_max.
-const SPACING_IN_MACRO_SLIP: f64 = 0.12;
-/// Nodes of an interpolating polynomial. Four nodes in place of six would have needed a third of the spacing.
-const POINTS: usize = 6;
-/// Half cycles that are computed before the tabulated ones in micro-slip: by then the tip of the loop has settled to second order in the loss of a
-/// half cycle.
-const SETTLING: usize = 3;
-
-/// Amplitude over φ_max at which a table in micro-slip begins: the loops of its first node stay below φ_max.
-pub(super) const TOP: f64 = 0.99;
-/// Most nodes of a table in micro-slip: they reach down to e^-1440 times the first amplitude, further than floating-point numbers do.
+/// Spacing of a table's nodes in ln travel in micro-slip, where half cycles depend on powers of the travel only: a slow decay of a thousand cycles is then right to 8e-6 of its
+/// amplitudes, most of which is the windows' cubic over half a cycle (the test in `decay`).
+const SPACING: f64 = 0.4;
+/// Spacing of a table's nodes in macro-slip, where half cycles change with the distance from φ_max: in ln of the amplitude less [`KNEE`] times φ_max. Amplitudes of the test in `decay` are then
+/// right to 1.3e-5.
+const SPACING_IN_MACRO_SLIP: f64 = 0.3;
+const KNEE: f64 = 0.9;
+/// Half travel over φ_max at which a table in micro-slip begins: the bend at φ_max lies above all of its nodes.
+const TOP: f64 = 0.99;
+/// Most nodes of a table in micro-slip: they reach down to e^-2400 times the first amplitude, further than floating-point numbers do.
 const MOST: usize = 6000;
-/// How far above the decay's first amplitude a table in macro-slip begins, in ln amplitude: rounding does not put that amplitude outside the table,
-/// which ends above φ_max.
-const ABOVE: f64 = 0.03;
-/// Most half cycles by whose decay a node in micro-slip lies below the amplitude at which its computation begins, and one half cycle more.
-pub(super) const BELOW: f64 = SETTLING as f64 + 2.0;
-/// Fastest decay, in ln amplitude per half cycle, for which the tips of loops in micro-slip count as settled; faster decays are computed one by one.
-/// Amplitudes of the test in `decay` are then off by 1.2e-5 at most, by 5e-6 to 8e-6 where the decay begins in micro-slip. Half this value would
-/// halve the latter errors, and decays above it would be computed one by one.
-pub(super) const FASTEST: f64 = 0.008;
-/// Fastest decay at φ_max, in ln amplitude per half cycle, by a table in macro-slip, in which every half cycle shall end with the joint slipping as a
-/// whole. At larger amplitudes the limit is lower by the factor φ_max over amplitude.
-pub(super) const FASTEST_IN_MACRO_SLIP: f64 = 0.06;
+/// Amplitude over φ_max at which a table in macro-slip ends: nearer to φ_max half cycles turn round before the joint slips as a whole.
+const FLOOR: f64 = 1.02;
+/// Most nodes of a table in macro-slip: they reach up to 80,000 times φ_max, and above half cycles are computed one by one.
+const MOST_IN_MACRO_SLIP: usize = 46;
+/// Half cycles whose travels give the turning point about which they swing. Travels shrink by a part g from one to the next, and what is left out is g^6/128: 1e-8 where a half
+/// cycle loses a tenth.
+const FOLLOWING: usize = 6;
 
 /// What one half cycle, from turning point to turning point, does to the motion and adds to the windows.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct HalfCycle {
-    /// Change of ln amplitude.
+    /// Change of ln amplitude, or of ln travel, to the next half cycle.
     pub(super) growth: f64,
     /// Duration, s.
     pub(super) duration: f64,
+    /// The displacement at its beginning, in micro-slip, of a decay about zero.
+    pub(super) tip: f64,
     /// Integrals of x e^(-iω_r (t - m)) (t - m)^k for k = 0 to 3, of a half cycle that begins at a positive displacement; m is a quarter of the
     /// reference period after its beginning.
     pub(super) moments: [Complex64; 4],
 }
 
-/// Real numbers in a half cycle: growth, duration and four complex moments.
-const VALUES: usize = 10;
+/// Real numbers in a half cycle: growth, duration, tip and four complex moments.
+const VALUES: usize = 11;
 
 impl HalfCycle {
     fn values(&self) -> [f64; VALUES] {
         let [a, b, c, d] = self.moments;
-        [self.growth, self.duration, a.re, a.im, b.re, b.im, c.re, c.im, d.re, d.im]
+        [self.growth, self.duration, self.tip, a.re, a.im, b.re, b.im, c.re, c.im, d.re, d.im]
     }
 
     fn of(v: &[f64; VALUES]) -> Self {
-        let moments = std::array::from_fn(|i| Complex64::new(v[2 + 2 * i], v[3 + 2 * i]));
-        Self { growth: v[0], duration: v[1], moments }
-    }
-}
-
-/// The polynomial through neighbouring nodes in Newton's form (`places` in ln amplitude, divided `differences`), and the ln amplitudes `from` (upper)
-/// and `to` (lower) between which it is used.
-#[derive(Debug, Clone, Copy)]
-struct Piece {
-    places: [f64; POINTS],
-    differences: [[f64; VALUES]; POINTS],
-    from: f64,
-    to: f64,
-}
-
-impl Piece {
-    /// The polynomial through the nodes `through`, for ln amplitudes between node `middle` and the next one.
-    fn new(through: &[Node; POINTS], middle: usize) -> Self {
-        let places: [f64; POINTS] = std::array::from_fn(|i| through[i].0);
-        let mut differences: [[f64; VALUES]; POINTS] = std::array::from_fn(|i| through[i].1.values());
-        for order in 1..POINTS {
-            for i in (order..POINTS).rev() {
-                let over = 1.0 / (places[i] - places[i - order]);
-                differences[i] = std::array::from_fn(|k| (differences[i][k] - differences[i - 1][k]) * over);
-            }
-        }
-        Self { places, differences, from: places[middle], to: places[middle + 1] }
-    }
-
-    fn at(&self, log: f64) -> HalfCycle {
-        let mut sum = self.differences[POINTS - 1];
-        for (place, difference) in self.places.iter().zip(&self.differences).rev().skip(1) {
-            let late = log - place;
-            sum.iter_mut().zip(difference).for_each(|(s, d)| *s = *s * late + d);
-        }
-        HalfCycle::of(&sum)
+        let moments = std::array::from_fn(|i| Complex64::new(v[3 + 2 * i], v[4 + 2 * i]));
+        Self { growth: v[0], duration: v[1], tip: v[2], moments }
     }
 }
 
 /// A node of the quadrature over a half cycle: seconds from the beginning of the half cycle, displacement, velocity, and weight in s.
+#[derive(Debug, Clone, Copy)]
 pub(super) struct Moment {
     pub(super) late: f64,
     pub(super) displacement: f64,
@@ -110,47 +72,31 @@ pub(super) struct Moment {
     pub(super) weight: f64,
 }
 
-/// Half cycles at a few amplitudes, each computed when it is first asked for.
+/// Half cycles at a few amplitudes, and strides over many of them: the same nodes serve every decay of an oscillator.
 #[derive(Debug, Clone)]
 pub(super) struct Nodes {
-    /// ln amplitude at which the computation of the first node begins, and the distance to the next node in ln amplitude.
-    top: f64,
-    spacing: f64,
-    /// Number of nodes.
-    count: usize,
-    in_macro_slip: bool,
-    /// What is known of each node, from the largest amplitude on.
-    known: Vec<Known>,
-    /// The polynomial between each node and the next one, where it was asked for.
-    pieces: Vec<Option<Piece>>,
-}
-
-/// The logarithm of an amplitude, and the half cycle that begins there.
-type Node = (f64, HalfCycle);
-
-/// What is known of a node.
-#[derive(Debug, Clone, Copy)]
-enum Known {
-    NotYet,
-    /// Its half cycle decays too fast for a table, or cannot be computed.
-    Unfit,
-    Node(Node),
+    phi_max: f64,
+    /// Half cycles in micro-slip by ln of half their travel.
+    in_micro_slip: Tabled<VALUES>,
+    /// Strides in micro-slip by their length in half cycles: records of different lengths have different ones.
+    strides: Vec<(usize, Tabled<STRIDE_VALUES>)>,
+    /// Half cycles in macro-slip by ln of the amplitude at which they begin, less `KNEE` φ_max.
+    in_macro_slip: Tabled<VALUES>,
 }
 
 impl Nodes {
-    /// A table from φ_max downwards: the same nodes serve every decay of an oscillator in micro-slip.
-    pub(super) fn in_micro_slip(phi_max: f64) -> Self {
-        let top = (TOP * phi_max).ln();
-        Self { top, spacing: SPACING, count: MOST, in_macro_slip: false, known: vec![], pieces: vec![] }
-    }
-
-    /// A table in macro-slip from the ln amplitude `log` down to the ln amplitude `floor`.
-    pub(super) fn in_macro_slip(log: f64, floor: f64) -> Self {
-        let top = log + ABOVE;
-        // Above the floor there is room for as many nodes as a polynomial needs.
-        let spacing = SPACING_IN_MACRO_SLIP.min((top - floor) / POINTS as f64);
-        let count = ((top - floor) / spacing) as usize + 1;
-        Self { top, spacing, count, in_macro_slip: true, known: vec![], pieces: vec![] }
+    fn new(phi_max: f64) -> Self {
+        let reach = SPACING_IN_MACRO_SLIP * (MOST_IN_MACRO_SLIP - 1) as f64;
+        Self {
+            phi_max,
+            in_micro_slip: Tabled::new((TOP * phi_max).ln(), SPACING, MOST),
+            strides: vec![],
+            in_macro_slip: Tabled::new(
+                ((FLOOR - KNEE) * phi_max).ln() + reach,
+                SPACING_IN_MACRO_SLIP,
+                MOST_IN_MACRO_SLIP,
+            ),
+        }
     }
 }
 
@@ -158,7 +104,7 @@ impl Nodes {
 #[derive(Debug, Clone, Default)]
 pub(in crate::refine) struct Buffers {
     pub(super) stack: Vec<Reversal>,
-    /// Tables in micro-slip of the models that were computed last.
+    /// Tables of the models that were computed last.
     tables: VecDeque<(TableOf, Nodes)>,
     commons: VecDeque<(Parameters, Common)>,
 }
@@ -171,7 +117,7 @@ pub(super) struct Common {
     pub(super) tables: HalfCycleTables,
 }
 
-/// What the half cycles of a table in micro-slip depend on.
+/// What the half cycles of a table depend on.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct TableOf {
     pub(super) parameters: Parameters,
@@ -198,11 +144,11 @@ impl Buffers {
         Some(common)
     }
 
-    /// The nodes of a table in micro-slip, those kept for the same model where there are any.
+    /// The nodes of a model's tables, those kept for the same model where there are any.
     pub(super) fn nodes(&mut self, of: TableOf, phi_max: f64) -> Nodes {
         let place = self.tables.iter().position(|(known, _)| *known == of);
         let known = place.and_then(|i| self.tables.remove(i));
-        known.map_or_else(|| Nodes::in_micro_slip(phi_max), |(_, nodes)| nodes)
+        known.map_or_else(|| Nodes::new(phi_max), |(_, nodes)| nodes)
     }
 
     /// Keeps nodes for the next decay of the same model; the table that was unused for longest makes room.
@@ -223,15 +169,28 @@ impl Buffers {
 /// Half cycles by amplitude for the decay of one oscillator.
 pub(super) struct Table<'a, F> {
     nodes: &'a mut Nodes,
+    source: Source<'a, F>,
+}
+
+/// A decay of which a few half cycles are computed.
+type Computed<'a> = Decay<'a, FourParameter, [Reversal; FOLLOWING + 4]>;
+
+/// Duration of the first half cycle after a release, and the displacement at its end.
+struct First {
+    duration: f64,
+    end: f64,
+}
+
+/// What computes the nodes of a table.
+struct Source<'a, F> {
     oscillator: &'a Oscillator,
     joint: &'a FourParameter,
     tables: &'a HalfCycleTables,
-    /// The decay that computed the last node; the next node takes over its buffers.
-    decay: Option<Decay<'a, FourParameter, [Reversal; SETTLING + 8]>>,
+    /// The decay that computed the last node, and the nodes of the quadrature that it passed; the next node takes over both buffers.
+    decay: Option<Computed<'a>>,
+    path: Vec<Moment>,
     /// Adds a node of the quadrature to the moments of a half cycle.
     add: F,
-    /// Place of the polynomial that gave the last half cycle.
-    piece: Option<usize>,
 }
 
 impl<'a, F: FnMut(Moment, &mut [Complex64; 4])> Table<'a, F> {
@@ -241,104 +200,126 @@ impl<'a, F: FnMut(Moment, &mut [Complex64; 4])> Table<'a, F> {
         (oscillator, joint, tables): (&'a Oscillator, &'a FourParameter, &'a HalfCycleTables),
         add: F,
     ) -> Self {
-        Self { nodes, oscillator, joint, tables, decay: None, add, piece: None }
+        Self { nodes, source: Source { oscillator, joint, tables, decay: None, path: vec![], add } }
     }
 
-    /// The polynomial between node `place` and the next one, where it is known.
-    fn piece(&self, place: usize) -> Option<&Piece> {
-        self.nodes.pieces.get(place)?.as_ref()
+    /// The half cycle in micro-slip that has ln of half its travel at `log`; none above the first node, below the last one, and where a half cycle cannot be computed.
+    pub(super) fn in_micro_slip(&mut self, log: f64) -> Option<HalfCycle> {
+        let source = &mut self.source;
+        let values = self.nodes.in_micro_slip.at(log, |log| source.in_micro_slip(log))?;
+        Some(HalfCycle::of(&values))
     }
 
-    /// The half cycle that begins at the ln amplitude `log`; none above the first node, below the last one, and where half cycles decay too fast for
-    /// a table.
-    pub(super) fn at(&mut self, log: f64) -> Option<HalfCycle> {
-        let last = self.piece.and_then(|place| self.piece(place));
-        if let Some(piece) = last.filter(|p| log <= p.from && log > p.to) {
-            return Some(piece.at(log));
-        }
-        // A node lies at the amplitude at which its computation began, or below it by less than the spacing.
-        let begun = (self.nodes.top - log) / self.nodes.spacing;
-        let begun = if begun >= 0.0 { begun as usize } else { return None };
-        let is_above = |table: &mut Self, i: usize| table.node(i).is_some_and(|n| n.0 >= log);
-        let above = [Some(begun), begun.checked_sub(1)].into_iter().flatten().find(|i| is_above(self, *i))?;
-        self.piece = Some(above);
-        if let Some(piece) = self.piece(above) {
-            return (log > piece.to).then(|| piece.at(log));
-        }
-        // As many nodes below `log` as above it, where the table goes so far.
-        let highest = self.nodes.count.checked_sub(POINTS)?;
-        let first = (above + 1).saturating_sub(POINTS / 2).min(highest);
-        let first = (first..=above.min(highest)).find(|i| self.node(*i).is_some())?;
-        let mut through = [Node::default(); POINTS];
-        for (i, node) in through.iter_mut().enumerate() {
-            *node = self.node(first + i)?;
-        }
-        let middle = (above - first).min(POINTS - 2);
-        let piece = Piece::new(&through, middle);
-        if self.nodes.pieces.len() <= above {
-            self.nodes.pieces.resize(above + 1, None);
-        }
-        self.nodes.pieces[above] = Some(piece);
-        (log > piece.to).then(|| piece.at(log))
+    /// The half cycle in macro-slip that begins at an amplitude, with the joint slipping as a whole before and at its end; none outside the table, and where it would have to look at half
+    /// cycles that end in micro-slip.
+    pub(super) fn in_macro_slip(&mut self, amplitude: f64) -> Option<HalfCycle> {
+        let (source, phi_max) = (&mut self.source, self.nodes.phi_max);
+        let log = (amplitude - KNEE * phi_max).ln();
+        let values = self.nodes.in_macro_slip.at(log, |log| source.in_macro_slip(log, phi_max))?;
+        Some(HalfCycle::of(&values))
     }
 
-    /// Node `i`, computed when it is first asked for; none where it is unfit for a table.
-    fn node(&mut self, i: usize) -> Option<Node> {
-        if i >= self.nodes.count {
-            return None;
+    /// The stride in micro-slip over as many half cycles as `rule` sums, from one on that has ln of half its travel at `log`; none where the table does not reach so far.
+    pub(super) fn stride(&mut self, log: f64, rule: &Rule) -> Option<Stride> {
+        let Nodes { in_micro_slip, strides, .. } = &mut *self.nodes;
+        let source = &mut self.source;
+        let place = strides.iter().position(|(length, _)| *length == rule.length).unwrap_or_else(|| {
+            // The first half cycle's node lies below the beginning of its table, by less than the spacing.
+            let top = in_micro_slip.top - in_micro_slip.spacing;
+            strides.push((rule.length, Tabled::new(top, in_micro_slip.spacing, in_micro_slip.count)));
+            strides.len() - 1
+        });
+        let mut half_cycle =
+            |log: f64| in_micro_slip.at(log, |log| source.in_micro_slip(log)).map(|v| HalfCycle::of(&v));
+        let values = strides[place].1.at(log, |log| {
+            let values = rule.values(log, |log| half_cycle(log).map(|half| (half.growth, half.duration)))?;
+            Some((log, values))
+        })?;
+        Some(Stride::of(&values))
+    }
+}
+
+impl<'a, F: FnMut(Moment, &mut [Complex64; 4])> Source<'a, F> {
+    /// The node whose computation begins with a release at the ln amplitude `log`; none where it cannot be computed.
+    fn in_micro_slip(&mut self, log: f64) -> Option<Node<VALUES>> {
+        let start = log.exp();
+        let (mut decay, half) = self.released(start)?;
+        let mut travels = [start - half.end; FOLLOWING];
+        let mut from = half.end;
+        for travel in &mut travels[1..] {
+            let to = decay.next()?.displacement;
+            (*travel, from) = ((to - from).abs(), to);
         }
-        if self.nodes.known.len() <= i {
-            self.nodes.known.resize(i + 1, Known::NotYet);
-        }
-        match self.nodes.known[i] {
-            Known::Node(node) => return Some(node),
-            Known::Unfit => return None,
-            Known::NotYet => {}
-        }
-        let node = self.computed(self.nodes.top - self.nodes.spacing * i as f64);
-        let slow = |growth: f64| self.nodes.in_macro_slip || growth > -2.0 * FASTEST;
-        let node = node.filter(|n| slow(n.1.growth));
-        self.nodes.known[i] = node.map_or(Known::Unfit, Known::Node);
-        node
+        self.decay = Some(decay);
+        let (growth, tip) = ((travels[1] / travels[0]).ln(), tip(travels));
+        Some(((0.5 * travels[0]).ln(), self.values(&half, growth, tip, tip - start)?))
     }
 
-    /// Computes the half cycle at the ln amplitude `log`. In micro-slip a few half cycles first let the tip of the loop settle, and the mean of the
-    /// next two is taken, because tips alternate about the curve on which they settle. In macro-slip the tip lies on the virgin curve from the first
-    /// half cycle on.
-    fn computed(&mut self, log: f64) -> Option<Node> {
-        let held = Motion::held_at(log.exp());
+    /// The node for a release at a displacement whose distance from `KNEE` φ_max has the logarithm `log`; none where it cannot be computed, and where the half cycle would end in micro-slip.
+    fn in_macro_slip(&mut self, log: f64, phi_max: f64) -> Option<Node<VALUES>> {
+        let start = log.exp() + KNEE * phi_max;
+        let (decay, half) = self.released(start)?;
+        self.decay = Some(decay);
+        let slips = start - half.end > 2.0 * phi_max && half.end < 0.0;
+        Some((log, self.values(&half, (-half.end / start).ln(), start, 0.0)?)).filter(|_| slips)
+    }
+
+    /// The decay after a release at a displacement, and its first half cycle, whose quadrature is in `path`.
+    fn released(&mut self, start: f64) -> Option<(Computed<'a>, First)> {
+        let held = Motion::held_at(start);
         let mut decay = if let Some(decay) = self.decay.take() {
             decay.anew(held).ok()?
         } else {
-            let stack = [Reversal::default(); SETTLING + 8];
+            let stack = [Reversal::default(); FOLLOWING + 4];
             Decay::with_tables(self.oscillator, self.joint, self.tables, held, stack).ok()?
         };
-        let (settling, count) = if self.nodes.in_macro_slip { (0, 1) } else { (SETTLING, 2) };
-        let (mut from, mut began) = (log.exp(), 0.0);
-        for _ in 0..settling {
-            let turned = decay.next()?;
-            (from, began) = (turned.displacement, turned.time);
+        let path = &mut self.path;
+        path.clear();
+        let turned = decay.next_with(|n| {
+            let (late, displacement, velocity, weight) = (n.time, n.displacement, n.velocity, n.weight);
+            path.push(Moment { late, displacement, velocity, weight });
+        })?;
+        Some((decay, First { duration: turned.time, end: turned.displacement }))
+    }
+
+    /// The values of a half cycle with its path moved by `shift`, of a decay about zero that begins it at `tip`; none unless the decay loses amplitude.
+    fn values(&mut self, half: &First, growth: f64, tip: f64, shift: f64) -> Option<[f64; VALUES]> {
+        let mut moments = [Complex64::default(); 4];
+        for node in &self.path {
+            (self.add)(Moment { displacement: node.displacement + shift, ..*node }, &mut moments);
         }
-        let (mut mean, mut middle, part) = (HalfCycle::default(), 0.0, 1.0 / f64::from(count));
-        for _ in 0..count {
-            let (mut moments, sign, add) = ([Complex64::default(); 4], from.signum(), &mut self.add);
-            let turned = decay.next_with(|n| {
-                let node = Moment {
-                    late: n.time - began,
-                    displacement: sign * n.displacement,
-                    velocity: sign * n.velocity,
-                    weight: n.weight,
-                };
-                add(node, &mut moments);
-            })?;
-            middle += part * from.abs().ln();
-            mean.growth += part * (turned.displacement / from).abs().ln();
-            mean.duration += part * (turned.time - began);
-            mean.moments.iter_mut().zip(moments).for_each(|(m, one)| *m += part * one);
-            (from, began) = (turned.displacement, turned.time);
+        let known = growth.is_finite() && growth < 0.0;
+        known.then(|| HalfCycle { growth, duration: half.duration, tip, moments }.values())
+    }
+}
+
+/// The displacement from which a decay about zero begins the first of these travels: their sum with alternating signs, by Euler's transformation (W. H. Press et al., *Numerical Recipes*, 3rd
+/// ed., Eq. 5.3.8).
+fn tip(mut travels: [f64; FOLLOWING]) -> f64 {
+    let (mut sum, mut part) = (0.0, 0.5);
+    for order in 0..FOLLOWING {
+        sum += part * travels[0];
+        part *= 0.5;
+        for i in 0..FOLLOWING - order - 1 {
+            travels[i] -= travels[i + 1];
         }
-        self.decay = Some(decay);
-        let known = mean.growth.is_finite() && mean.growth < 0.0;
-        known.then_some((middle, mean))
+    }
+    sum
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_tip_is_the_alternating_sum_of_the_travels_to_come() {
+        for ratio in [0.9_f64, 0.99, 0.9999] {
+            let mut travel = 2.0 / ratio;
+            let travels = [(); FOLLOWING].map(|()| {
+                travel *= ratio;
+                travel
+            });
+            assert!((tip(travels) - 2.0 / (1.0 + ratio)).abs() < 2.0 * (1.0 - ratio).powi(6) / 64.0 + 1e-15);
+        }
     }
 }

@@ -76,18 +76,34 @@ impl Windows {
 
     /// Adds the moments of a half cycle about the time `t` (s) to the windows that cover it, with each window's Taylor series about `t`.
     pub(super) fn add_moments(&self, t: f64, moments: &Moments, quantity: Quantity, out: &mut [Complex64]) {
+        let [m0, m1, m2, m3] = moments.0;
+        let integrals = |rate: f64, [c, s]: [f64; 2]| {
+            let even = m0 - m2 * (0.5 * rate * rate);
+            let odd = (m1 - m3 * (rate * rate / 6.0)) * rate;
+            [even * c - odd * s, even * s + odd * c]
+        };
+        self.add_following(t, integrals, quantity, out);
+    }
+
+    /// Adds integrals of a signal near or behind the time `t` (s), with τ as the time from there. `integrals` is given a rate ν (rad/s) and cosine and sine of an angle θ, and
+    /// gives the integrals of the signal times cos(θ + ντ) e^(-iω_r τ) and times sin(θ + ντ) e^(-iω_r τ).
+    pub(super) fn add_following(
+        &self,
+        t: f64,
+        integrals: impl Fn(f64, [f64; 2]) -> [Complex64; 2],
+        quantity: Quantity,
+        out: &mut [Complex64],
+    ) {
         let (last, [c, s]) = self.phase_at(t);
         let rate = 0.5 * PI / self.hop;
-        let [m0, m1, m2, m3] = moments.0;
-        let with = |rate: f64, [c, s]: [f64; 2]| {
-            let even = m0 - m2 * (0.5 * rate * rate);
-            let odd = (m3 * (rate * rate / 6.0) - m1) * rate;
-            [even * c + odd * s, odd * c - even * s]
+        let parts = |rate: f64, angle: [f64; 2]| {
+            let [cosine, sine] = integrals(rate, angle);
+            [cosine, -sine]
         };
         let parts = Parts {
-            mean: m0,
-            single: with(rate, [c, s]),
-            double: with(2.0 * rate, [c * c - s * s, 2.0 * s * c]),
+            mean: integrals(0.0, [1.0, 0.0])[0],
+            single: parts(rate, [c, s]),
+            double: parts(2.0 * rate, [c * c - s * s, 2.0 * s * c]),
         };
         self.spread(last, parts, turn(self.omega * t), quantity, out);
     }
