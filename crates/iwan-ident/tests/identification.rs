@@ -412,7 +412,7 @@ fn two_and_a_half_samples_a_cycle_are_enough() {
     assert!(error.contains("samples per cycle = 2.3") && error.contains("at least 2.5"), "{error}");
 }
 
-/// Tables of half cycles have an error of 4e-5 where macro-slip ends: without noise this once put K_T off by 1e-3, with an interval of 2.5e-4
+/// Tables of half cycles have errors, once of 4e-5 where macro-slip ends: without noise this put K_T off by 1e-3, with an interval of 2.5e-4
 /// (record 12). Where the joint slips as a whole in the first half cycle only, two knees reproduce all windows to the last digit: K_T was
 /// once off by 4 %, with an interval of 0.3 % (149).
 #[test]

@@ -6,6 +6,7 @@ mod macro_slip;
 mod map;
 mod dormand_prince;
 mod decay;
+mod march;
 
 pub use decay::{Decay, PathNode, TurningPoint};
 pub use map::HalfCycleTables;

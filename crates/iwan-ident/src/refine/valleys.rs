@@ -26,7 +26,7 @@ const LITTLE_JOINT: f64 = 1e-4;
 const HOPS: [f64; 6] = [0.5 * STEP, 0.25 * STEP, 0.1 * STEP, 0.05 * STEP, 0.03 * STEP, 0.01 * STEP];
 /// Relative residual above which no hops are tried where the samples show noise: it then hides the creases, and hops cost time only.
 const CREASE: f64 = 5e-4;
-/// Relative residual below which half cycles are computed one by one in place of tables, a few times what tables leave of a record without noise. Records whose samples show no noise are fitted without
+/// Relative residual below which half cycles are computed one by one in place of tables, several times the error of tables. Records whose samples show no noise are fitted without
 /// tables whatever is left: one of two hundred ended in a wrong valley with them (149 of `softening`).
 const EXACT: f64 = 1e-4;
 /// Most valleys of a scan from which searches on the records themselves go on. A judgement, not varied: the sweep along all knees that follows looks

@@ -44,7 +44,7 @@ pub(super) type Node<const V: usize> = (f64, [f64; V]);
 #[derive(Debug, Clone, Copy)]
 enum Known<const V: usize> {
     NotYet,
-    /// What begins there decays too fast for a table, or cannot be computed.
+    /// What begins there cannot be computed, or is of another kind than the table holds.
     Unfit,
     Node(Node<V>),
 }
