@@ -1,15 +1,18 @@
 //! What the model misses is estimated, and the residuals are discounted for it.
 
+use std::ops::Range;
+
 use iwan_machine::threads::in_parallel;
 use nalgebra::{DMatrix, DVector};
 
 use super::amplitudes::days;
-use super::discount::Discount;
+use super::discount::{Block, Discount};
 use super::fields::{Component, FINEST, Kind, SPACING};
+use super::nested::OfRecord;
 use super::record::{CLEAN, Noise, Windowed};
 use super::ring_down::Discrepancy;
-use super::sizes::{Likeliest, Projected};
-use super::task::{DAY, FINE, OWN, Task, Workspace, no_ring_down};
+use super::sizes::{Likeliest, Sizing};
+use super::task::{DAY, FINE, OWN, Task, Workspace, no_ring_down, record_of};
 use crate::error::Error;
 use crate::parameters::{COUNT, Parameter};
 use crate::search::{DIRAC, Minimum};
@@ -56,8 +59,7 @@ pub(crate) enum Clean {
 struct Found {
     components: Vec<Component>,
     jacobian: DMatrix<f64>,
-    residuals: Vec<f64>,
-    projected: Projected,
+    sizing: Sizing,
     likeliest: Likeliest,
 }
 
@@ -237,7 +239,7 @@ impl Task {
     /// allowance: in a record of a few cycles next to nothing would be left that tells χ.
     pub(crate) fn widened(&self, minimum: &Minimum, clean: Clean) -> Result<(Self, Minimum), Error> {
         let (mut task, minimum) = self.allowing(minimum, clean, |found| {
-            let (expected, likeliest) = (found.projected.expected_sizes()?, &found.likeliest.sizes);
+            let (expected, likeliest) = (found.sizing.expected_sizes()?, &found.likeliest.sizes);
             let one = |((c, e), l): ((&Component, f64), &f64)| match c.kind {
                 Kind::Even => *l,
                 Kind::Shared if clean == Clean::Nearly => e.max(*l).max(TYPICAL),
@@ -351,57 +353,75 @@ impl Task {
     fn look_at(&self, x: &[f64], spacing: f64, work: &mut Workspace) -> Option<Found> {
         let components = self.components(x, spacing, work)?;
         let (r, jacobian) = self.linearised(x, self.seen_at(x), work)?;
-        let processes: Vec<&DMatrix<f64>> = components.iter().map(|c| &c.columns).collect();
-        let projected = Projected::new(&jacobian, &r, &processes, TYPICAL);
-        let likeliest = projected.sizes()?;
-        Some(Found { components, jacobian, residuals: r, projected, likeliest })
+        let records = self.by_record(&self.seen_at(x), &jacobian, &r);
+        let freedom = (r.len() - jacobian.ncols()) as f64;
+        let sizing = Sizing::new(&records, &components, freedom, TYPICAL);
+        let likeliest = sizing.sizes()?;
+        Some(Found { components, jacobian, sizing, likeliest })
+    }
+
+    /// Residuals and their derivatives with respect to some unknowns, record by record: those in windows, then that of the day.
+    fn by_record(&self, unknowns: &[usize], jacobian: &DMatrix<f64>, r: &[f64]) -> Vec<OfRecord> {
+        let one = |(place, windows): (usize, Range<usize>)| {
+            let rows: Vec<usize> = windows.chain(self.row_of_day(place)).collect();
+            let columns = |own: Option<usize>| -> Vec<usize> {
+                (0..unknowns.len()).filter(|k| record_of(unknowns[*k]) == own).collect()
+            };
+            let part = |own| jacobian.select_columns(&columns(own)).select_rows(&rows);
+            OfRecord {
+                r: DVector::from_iterator(rows.len(), rows.iter().map(|row| r[*row])),
+                own: part(Some(place)),
+                shared: part(None),
+            }
+        };
+        self.rows().into_iter().enumerate().map(one).collect()
     }
 
     /// Takes over each record's noise, and the discount for processes of the given sizes.
     fn take(&mut self, components: &[Component], sizes: &[f64], noise: &[Noise]) {
-        let mut columns = DMatrix::zeros(self.count(), components.iter().map(|c| c.columns.ncols()).sum());
-        let (mut from, mut row) = (0, 0);
-        for (component, size) in components.iter().zip(sizes) {
-            let n = component.columns.ncols();
-            let even = component.kind == Kind::Even;
-            let size = if even { days::of_few(*size, self.records.len()) } else { *size };
-            columns.columns_mut(from, n).copy_from(&(&component.columns * size));
-            from += n;
-        }
+        // By how much residuals change with the noise that they are divided by, two rows a window.
+        let mut scales: Vec<Vec<f64>> = vec![];
         for (record, noise) in self.records.iter_mut().zip(noise) {
             let before = record.deviations.clone();
             record.take_noise(*noise);
-            for (before, after) in before.iter().zip(&record.deviations) {
-                columns.rows_mut(row, 2).scale_mut(before / after);
-                row += 2;
+            let both = before.iter().zip(&record.deviations).flat_map(|(b, a)| [b / a; 2]);
+            scales.push(both.collect());
+        }
+        let (rows, mut blocks) = (self.rows(), vec![]);
+        // From the processes of single records to those that all share.
+        for (component, size) in components.iter().zip(sizes).rev() {
+            let even = component.kind == Kind::Even;
+            let size = if even { days::of_few(*size, self.records.len()) } else { *size };
+            for process in &component.processes {
+                let count: usize = process.columns.iter().map(DMatrix::nrows).sum();
+                let mut columns = DMatrix::zeros(count, process.width);
+                let mut from = 0;
+                for (record, own) in process.records.iter().zip(&process.columns) {
+                    for (row, scale) in scales[*record].iter().enumerate() {
+                        columns.set_row(from + row, &(own.row(row) * (size * scale)));
+                    }
+                    from += own.nrows();
+                }
+                let rows = process.records.iter().map(|record| rows[*record].clone()).collect();
+                blocks.push(Block { rows, columns });
             }
         }
-        self.discount = Discount::new(&columns);
+        self.discount = Discount::new(self.count(), blocks);
         self.discrepancy = named(components, sizes);
     }
 
     /// The noise of each record, estimated from what neither parameters nor processes explain.
     fn noise(&self, found: &Found) -> Vec<Noise> {
-        let mut left = DVector::from_column_slice(&found.residuals);
-        let mut from = 0;
-        for component in &found.components {
-            let n = component.columns.ncols();
-            left -= &component.columns * found.likeliest.expected.rows(from, n);
-            from += n;
-        }
-        let unknowns = found.jacobian.ncols() as f64;
-        let explained = found.jacobian.clone().qr().q();
-        left -= &explained * explained.tr_mul(&left);
-        let part = (left.len() as f64 - unknowns - found.likeliest.explained) / left.len() as f64;
-        let mut row = 0;
-        let of = |record: &Windowed| {
+        let Likeliest { unexplained, explained, .. } = &found.likeliest;
+        let (count, unknowns) = (self.count() as f64, found.jacobian.ncols() as f64);
+        let part = (count - unknowns - explained) / count;
+        let of = |(record, left): (&Windowed, &DVector<f64>)| {
             let squares: Vec<f64> = (0..record.windows.count)
-                .map(|k| record.deviations[k].powi(2) * left.rows(row + 2 * k, 2).norm_squared())
+                .map(|k| record.deviations[k].powi(2) * left.rows(2 * k, 2).norm_squared())
                 .collect();
-            row += 2 * record.windows.count;
             likeliest_noise(record, &squares, part.max(LEAST_FREEDOM))
         };
-        self.records.iter().map(of).collect()
+        self.records.iter().zip(unexplained).map(of).collect()
     }
 
     /// The noise of each record before any size is known, estimated from second differences of the residuals from window to window, in which a slow

@@ -39,13 +39,32 @@ const LEAST_SHIFT: f64 = 1e-4;
 /// fit of the double beam's sixth hit then misses 18 % of dissipation in place of 5 %.
 const PART_OF_SHIFT: f64 = 3.0;
 
-/// Processes that share one size. The columns are the residuals' derivatives with respect to values that are independent and of variance one.
+/// Processes that share one size.
 #[derive(Debug, Clone)]
 pub(super) struct Component {
     pub(super) kind: Kind,
     /// Change of ln ω that goes with a change of one in ln D.
     pub(super) shift: f64,
-    pub(super) columns: DMatrix<f64>,
+    /// One process for each group of records; every record belongs to one group.
+    pub(super) processes: Vec<Process>,
+}
+
+/// A process, and the records that share it.
+#[derive(Debug, Clone)]
+pub(super) struct Process {
+    /// Number of independent values of variance one that make the process.
+    pub(super) width: usize,
+    /// Indices of the records.
+    pub(super) records: Vec<usize>,
+    /// Derivatives of each of these records' residuals in windows with respect to those values, one column each.
+    pub(super) columns: Vec<DMatrix<f64>>,
+}
+
+impl Process {
+    /// The columns of a record; none where it does not share this process.
+    pub(super) fn of(&self, record: usize) -> Option<&DMatrix<f64>> {
+        self.records.iter().position(|own| *own == record).map(|place| &self.columns[place])
+    }
 }
 
 /// The records that share a process.
@@ -118,43 +137,33 @@ impl Task {
         let logs: Vec<Vec<f64>> =
             models.iter().zip(&self.records).map(|(m, r)| log_amplitudes(m, r)).collect();
         let shift = shift(&models, &self.records);
-        let lengths: Vec<usize> = models.iter().map(|m| 2 * m.len()).collect();
-        let first_row = |i: usize| lengths[..i].iter().sum::<usize>();
         // One process for each group of records, over the amplitudes that these hold.
-        let component = |kind: Kind, groups: &[Vec<usize>]| {
-            let of = |group: &Vec<usize>| {
-                let nodes = Nodes::over(group.iter().map(|i| logs[*i].as_slice()), spacing);
+        let component = |kind: Kind, groups: Vec<Vec<usize>>| {
+            let of = |records: Vec<usize>| {
+                let nodes = Nodes::over(records.iter().map(|i| logs[*i].as_slice()), spacing);
                 let factor = nodes.factor();
-                let mut columns = DMatrix::zeros(self.count(), 2 * nodes.count);
-                for &i in group {
-                    let [d, w] = derivatives(&self.records[i], &models[i], &logs[i], &nodes);
-                    columns.view_mut((first_row(i), 0), d.shape()).copy_from(&(d * &factor));
+                let one = |i: &usize| {
+                    let [d, w] = derivatives(&self.records[*i], &models[*i], &logs[*i], &nodes);
+                    let mut columns = DMatrix::zeros(d.nrows(), 2 * nodes.count);
+                    columns.columns_mut(0, nodes.count).copy_from(&(d * &factor));
+                    columns.columns_mut(nodes.count, nodes.count).copy_from(&(w * &factor * shift));
                     columns
-                        .view_mut((first_row(i), nodes.count), w.shape())
-                        .copy_from(&(w * &factor * shift));
-                }
-                columns
+                };
+                Process { width: 2 * nodes.count, columns: records.iter().map(one).collect(), records }
             };
-            let all: Vec<DMatrix<f64>> = groups.iter().map(of).collect();
-            let mut columns = DMatrix::zeros(self.count(), all.iter().map(DMatrix::ncols).sum());
-            let mut from = 0;
-            for one in &all {
-                columns.columns_mut(from, one.ncols()).copy_from(one);
-                from += one.ncols();
-            }
-            Component { kind, shift, columns }
+            Component { kind, shift, processes: groups.into_iter().map(of).collect() }
         };
         let records = models.len();
-        let mut all = vec![component(Kind::Shared, &[(0..records).collect()])];
+        let mut all = vec![component(Kind::Shared, vec![(0..records).collect()])];
         let levels = levels(&logs);
         if levels.len() > 1 && levels.len() < records {
-            all.push(component(Kind::OfLevel, &levels));
+            all.push(component(Kind::OfLevel, levels));
         }
         if records > 1 {
-            all.push(component(Kind::OfRecord, &(0..records).map(|i| vec![i]).collect::<Vec<_>>()));
+            all.push(component(Kind::OfRecord, (0..records).map(|i| vec![i]).collect()));
         }
         if self.has_days() {
-            all.push(self.even(&models, &logs, &first_row));
+            all.push(self.even(&models, &logs));
         }
         Some(all)
     }
@@ -162,18 +171,12 @@ impl Task {
 
 impl Task {
     /// The process of each record's own offset of ln D, the same at all amplitudes.
-    fn even(
-        &self,
-        models: &[Vec<Complex64>],
-        logs: &[Vec<f64>],
-        first_row: &dyn Fn(usize) -> usize,
-    ) -> Component {
-        let mut columns = DMatrix::zeros(self.count(), models.len());
-        for (i, (model, record)) in models.iter().zip(&self.records).enumerate() {
-            let one = column(record, even(model, &logs[i]));
-            columns.view_mut((first_row(i), i), (one.len(), 1)).copy_from_slice(&one);
-        }
-        Component { kind: Kind::Even, shift: 0.0, columns }
+    fn even(&self, models: &[Vec<Complex64>], logs: &[Vec<f64>]) -> Component {
+        let of = |i: usize| {
+            let one = column(&self.records[i], even(&models[i], &logs[i]));
+            Process { width: 1, records: vec![i], columns: vec![DMatrix::from_vec(one.len(), 1, one)] }
+        };
+        Component { kind: Kind::Even, shift: 0.0, processes: (0..models.len()).map(of).collect() }
     }
 }
 

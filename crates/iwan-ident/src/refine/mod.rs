@@ -16,6 +16,7 @@ mod discount;
 mod task;
 mod residuals;
 mod fields;
+mod nested;
 mod sizes;
 mod knees;
 mod valleys;

@@ -13,8 +13,8 @@ use rustfft::num_complex::Complex64;
 use super::amplitudes::days;
 use super::record::{Windowed, unwrapped};
 use super::release::TurningPoint;
-use super::task::{Effort, OWN, Task, Workspace};
-use crate::parameters::{COUNT, Parameters};
+use super::task::{Effort, Task, Workspace, record_of};
+use crate::parameters::Parameters;
 use crate::search::{Minimum, Problem, Search};
 
 /// The form in which record and model are compared.
@@ -51,7 +51,7 @@ impl Problem for OfRecords<'_> {
         let (mut above, mut below) = (base.clone(), base.clone());
         let mut moved = x.to_vec();
         for (mut column, &j) in out.column_iter_mut().zip(free) {
-            let own = j.checked_sub(COUNT).map(|own| own / OWN);
+            let own = record_of(j);
             let mut at = |place: f64, out: &mut [f64]| {
                 moved[j] = place;
                 let known = match own {
@@ -169,7 +169,7 @@ impl Task {
     }
 
     /// Rows of each record's residuals in windows, two per window.
-    fn rows(&self) -> Vec<Range<usize>> {
+    pub(super) fn rows(&self) -> Vec<Range<usize>> {
         let mut from = 0;
         let one = |record: &Windowed| {
             let rows = from..from + 2 * record.windows.count;
@@ -181,7 +181,7 @@ impl Task {
 
     /// The row, after the residuals in windows, of the residual that holds a record's day to the scatter taken for granted; empty where records do
     /// not differ by the day.
-    fn row_of_day(&self, place: usize) -> Range<usize> {
+    pub(super) fn row_of_day(&self, place: usize) -> Range<usize> {
         let row = self.in_windows() + place;
         if self.has_days() { row..row + 1 } else { 0..0 }
     }

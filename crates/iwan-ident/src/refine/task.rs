@@ -50,6 +50,12 @@ const SCAN_ITERATIONS: usize = 4;
 const ROUGH_ITERATIONS: usize = 30;
 /// Most iterations of a fine search; when they are spent the result says that it has not converged.
 const FINE_ITERATIONS: usize = 100;
+
+/// Number of the record whose own unknown this is; none for a parameter that all records share.
+pub(super) fn record_of(unknown: usize) -> Option<usize> {
+    unknown.checked_sub(COUNT).map(|own| own / OWN)
+}
+
 /// The records in the form that the searches work on.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(crate) struct Task {

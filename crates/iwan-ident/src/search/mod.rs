@@ -10,4 +10,4 @@ pub(crate) use chart::{CHI, Chart, DIRAC, KNEE, SOFTENING, Scales};
 pub(crate) use kept::Kept;
 pub(crate) use least_squares::{LARGE_GROWTH, Minimum, Problem, Search, TOLERANCE, following};
 pub(crate) use non_negative::solve as solve_non_negative;
-pub(crate) use triangular::{blocked, triangular};
+pub(crate) use triangular::blocked;
