@@ -4,7 +4,7 @@ use std::ops::Deref;
 use std::sync::Arc;
 
 use iwan_ident::curves::ForceAxis;
-use iwan_ident::identify::{Held, Identification, ModeRecord, Settings, identify, identify_kept};
+use iwan_ident::identify::{Held, Identification, ModeRecord, Settings, identify_isolated};
 use iwan_ident::signal::Method;
 use iwan_ident::{Parameter, Parameters};
 use iwan_machine::checkpoint::Checkpoint;
@@ -53,15 +53,12 @@ impl Identified {
         kept: Option<&Arc<Checkpoint>>,
     ) -> Result<Self, Failure> {
         let place = format!("{}, {}", recordings[0].name, wanted.name);
-        let sources = sources(recordings, wanted);
+        let sources = sources(recordings, wanted).into_iter();
+        let records: Vec<_> = sources.zip(extractions.iter().map(|x| &x.isolated)).collect();
         let method = extractions.first().map(|x| x.method).unwrap_or_default();
         let held = held.iter().map(|&(parameter, value)| Held { parameter, value }).collect();
         let settings = Settings { options: wanted.options, method, held };
-        let found = match kept {
-            Some(kept) => identify_kept(&sources, &settings, kept),
-            None => identify(&sources, &settings),
-        };
-        let found = found.map_err(|e| Failure::said(&place, &e))?;
+        let found = identify_isolated(&records, &settings, kept).map_err(|e| Failure::said(&place, &e))?;
         Self::of(recordings, wanted, extractions, axis, found)
     }
 

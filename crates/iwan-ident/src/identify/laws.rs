@@ -29,7 +29,7 @@ use crate::profile::Profiles;
 /// ```
 pub fn compare_laws(records: &[ModeRecord<'_>], settings: &Settings) -> Result<Comparison, Error> {
     let prepared =
-        records.iter().map(|record| Prepared::new(*record, settings)).collect::<Result<Vec<_>, _>>()?;
+        records.iter().map(|record| Prepared::new(*record, None, settings)).collect::<Result<Vec<_>, _>>()?;
     of_prepared(&prepared, None)
 }
 

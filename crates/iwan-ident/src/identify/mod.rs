@@ -25,7 +25,7 @@ use crate::laws::Extrapolation;
 use crate::likelihood::Likelihood;
 use crate::parameters::{Parameter, Parameters};
 use crate::refine::{Refined, RingDown, Task, TurningPoint};
-use crate::signal::Band;
+use crate::signal::{Band, Isolated};
 use beside_record::beside_record;
 use days::{apart, days, largest, on_mean_day};
 pub use identification::{Identification, Linear};
@@ -95,20 +95,21 @@ struct OtherStart {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn identify(records: &[ModeRecord<'_>], settings: &Settings) -> Result<Identification, Error> {
-    identification(records, settings, &Arc::default(), None)
+    identification(&not_isolated(records), settings, &Arc::default(), None)
 }
 
-/// [`identify`], with the ends of its searches kept in a checkpoint: another process with the same records, settings and checkpoint goes on where
-/// this one ended, and arrives at the same bits.
+/// [`identify`] of records whose mode was isolated before, by [`isolate`](crate::signal::isolate) with the options of these settings. Where a checkpoint is given, the ends of the
+/// searches are kept there: another process with the same records, settings and checkpoint goes on where this one ended, and arrives at the same bits.
 ///
 /// # Errors
 /// As [`identify`].
-pub fn identify_kept(
-    records: &[ModeRecord<'_>],
+pub fn identify_isolated(
+    records: &[(ModeRecord<'_>, &Isolated)],
     settings: &Settings,
-    kept: &Arc<Checkpoint>,
+    kept: Option<&Arc<Checkpoint>>,
 ) -> Result<Identification, Error> {
-    identification(records, settings, &Arc::default(), Some(kept))
+    let records: Vec<_> = records.iter().map(|(record, isolated)| (*record, Some(*isolated))).collect();
+    identification(&records, settings, &Arc::default(), kept)
 }
 
 /// [`identify`] that ends soon, by an error, once another thread sets `stopped`.
@@ -120,20 +121,26 @@ pub fn identify_until(
     settings: &Settings,
     stopped: &Arc<AtomicBool>,
 ) -> Result<Identification, Error> {
-    let found = identification(records, settings, stopped, None);
+    let found = identification(&not_isolated(records), settings, stopped, None);
     if stopped.load(Ordering::Relaxed) { Err(Error::Stopped) } else { found }
 }
 
+/// Records whose mode has still to be isolated.
+fn not_isolated<'a>(records: &[ModeRecord<'a>]) -> Vec<(ModeRecord<'a>, Option<&'a Isolated>)> {
+    records.iter().map(|record| (*record, None)).collect()
+}
+
 fn identification(
-    records: &[ModeRecord<'_>],
+    records: &[(ModeRecord<'_>, Option<&Isolated>)],
     settings: &Settings,
     stopped: &Arc<AtomicBool>,
     kept: Option<&Arc<Checkpoint>>,
 ) -> Result<Identification, Error> {
     check("records", records.len() as f64, !records.is_empty(), "at least one", "give a record")?;
-    let prepared = in_parallel(records, at_once(), &|record| Prepared::new(*record, settings));
+    let prepared =
+        in_parallel(records, at_once(), &|(record, isolated)| Prepared::new(*record, *isolated, settings));
     let prepared = prepared.into_iter().collect::<Result<Vec<_>, _>>()?;
-    check_together(records, &prepared)?;
+    check_together(&prepared)?;
     let curves: Vec<Curves> = prepared.iter().map(|p| p.curves.clone()).collect();
     let days = days(&prepared);
     let day = |i: usize| days.as_ref().map_or(0.0, |days| days[i]);
@@ -239,9 +246,9 @@ fn outside_band(prepared: &[Prepared<'_>], refined: &Refined) -> Option<String> 
 
 /// Refuses records that cannot be hits of one mode: equal samples, peaks that no softening brings together, and frequencies too far apart at the same
 /// amplitude.
-fn check_together(records: &[ModeRecord<'_>], prepared: &[Prepared<'_>]) -> Result<(), Error> {
-    for (i, a) in records.iter().enumerate() {
-        if let Some(j) = (0..i).find(|j| records[*j].samples == a.samples && records[*j].dt == a.dt) {
+fn check_together(prepared: &[Prepared<'_>]) -> Result<(), Error> {
+    for (i, one) in prepared.iter().enumerate() {
+        if let Some(j) = (0..i).find(|j| prepared[*j].is_same_record(one)) {
             return Err(Error::Refused {
                 finding: format!("records {} and {} hold the same samples: one hit is not two", j + 1, i + 1),
                 remedy: "give each record once",

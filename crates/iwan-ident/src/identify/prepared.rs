@@ -1,5 +1,7 @@
 //! A record prepared for the comparison with a model, and the model's curves, made as the record's were.
 
+use std::borrow::Cow;
+
 use super::settings::{ModeRecord, Settings};
 use crate::curves::{Curves, ForceAxis, amplitude_drop};
 use crate::error::Error;
@@ -10,7 +12,7 @@ use crate::signal::{Band, Envelope, HARDLY, Isolated, hits, isolate, taken_as};
 /// A record with its mode taken out, its curves, and the samples that are compared with the model.
 pub(super) struct Prepared<'a> {
     record: ModeRecord<'a>,
-    isolated: Isolated,
+    isolated: Cow<'a, Isolated>,
     pub(super) envelope: Envelope,
     pub(super) curves: Curves,
     /// Samples that are compared with the model.
@@ -24,8 +26,16 @@ pub(super) struct Prepared<'a> {
 }
 
 impl<'a> Prepared<'a> {
-    pub(super) fn new(record: ModeRecord<'a>, settings: &Settings) -> Result<Self, Error> {
-        let isolated = isolate(record.samples, record.dt, &settings.options)?;
+    /// The mode is isolated where `isolated` does not hold it already.
+    pub(super) fn new(
+        record: ModeRecord<'a>,
+        isolated: Option<&'a Isolated>,
+        settings: &Settings,
+    ) -> Result<Self, Error> {
+        let isolated = match isolated {
+            Some(isolated) => Cow::Borrowed(isolated),
+            None => Cow::Owned(isolate(record.samples, record.dt, &settings.options)?),
+        };
         check_rate(1.0 / (isolated.band.peak * record.dt))?;
         let envelope = isolated.envelope(settings.method, settings.options.order)?;
         let curves = Curves::new(&envelope, record.quantity, ForceAxis::Modal)?;
@@ -51,6 +61,11 @@ impl<'a> Prepared<'a> {
             (isolated.samples[range.clone()].to_vec(), beside, range.start, Some(band))
         };
         Ok(Self { record, isolated, envelope, curves, stretch, beside, first, band })
+    }
+
+    /// Whether another record holds the same samples.
+    pub(super) fn is_same_record(&self, other: &Self) -> bool {
+        self.record.samples == other.record.samples && self.record.dt == other.record.dt
     }
 
     pub(super) fn ring_down(&self) -> RingDown<'_> {

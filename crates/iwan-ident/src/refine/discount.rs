@@ -109,10 +109,12 @@ mod tests {
 
     #[test]
     fn discounted_residuals_have_the_covariance_of_noise() {
-        let columns = |n: usize, by: usize| DMatrix::from_fn(n, 2, |i, j| ((i * (j + by)) as f64).sin() * 3.0);
+        let columns =
+            |n: usize, by: usize| DMatrix::from_fn(n, 2, |i, j| ((i * (j + by)) as f64).sin() * 3.0);
         // Two rows, four others in two ranges, and all rows.
         let blocks = [(vec![1..3], 2, 2), (vec![0..1, 3..6], 4, 3), (vec![0..6], 6, 5)];
-        let block = |(rows, n, by): (Vec<Range<usize>>, usize, usize)| Block { rows, columns: columns(n, by) };
+        let block =
+            |(rows, n, by): (Vec<Range<usize>>, usize, usize)| Block { rows, columns: columns(n, by) };
         let blocks: Vec<Block> = blocks.into_iter().map(block).collect();
         let mut covariance = DMatrix::identity(6, 6);
         for Block { rows, columns } in &blocks {

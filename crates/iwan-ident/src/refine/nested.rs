@@ -224,7 +224,8 @@ fn tiers(components: &[Component]) -> Vec<Vec<Group>> {
     let mut tiers: Vec<Vec<Group>> = vec![];
     for (index, component) in components.iter().enumerate().rev() {
         let processes = &component.processes;
-        let is_same = |tier: &Vec<Group>| tier.iter().map(|g| &g.records).eq(processes.iter().map(|p| &p.records));
+        let is_same =
+            |tier: &Vec<Group>| tier.iter().map(|g| &g.records).eq(processes.iter().map(|p| &p.records));
         match tiers.last_mut().filter(|tier| is_same(tier)) {
             Some(tier) => {
                 let groups = tier.iter_mut().zip(processes);
@@ -254,7 +255,9 @@ mod tests {
 
     /// Numbers without order, but the same each time.
     fn matrix(rows: usize, columns: usize, seed: usize) -> DMatrix<f64> {
-        DMatrix::from_fn(rows, columns, |i, j| ((i + 2) as f64 * ((j * j + 3 * seed) as f64 + 0.7 * i as f64)).sin())
+        DMatrix::from_fn(rows, columns, |i, j| {
+            ((i + 2) as f64 * ((j * j + 3 * seed) as f64 + 0.7 * i as f64)).sin()
+        })
     }
 
     /// Three records, the second and the third on one level.
@@ -269,7 +272,10 @@ mod tests {
             width,
             records: records.to_vec(),
             // The last row is that of the day.
-            columns: records.iter().map(|i| matrix(11 + i, width, seed + i).insert_row(11 + i, 0.0)).collect(),
+            columns: records
+                .iter()
+                .map(|i| matrix(11 + i, width, seed + i).insert_row(11 + i, 0.0))
+                .collect(),
         };
         let component = |kind, processes| Component { kind, shift: 0.0, processes };
         let all = vec![

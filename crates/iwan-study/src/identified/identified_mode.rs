@@ -3,6 +3,7 @@
 use iwan_ident::curves::{Curves, ForceAxis};
 use iwan_ident::density::{Evidence, FreeForm, density};
 use iwan_ident::identify::Identification;
+use iwan_machine::threads::{at_once, in_parallel};
 use iwan_sim::Mode;
 
 use super::comparison::{Comparison, RecordOfMode};
@@ -63,9 +64,11 @@ impl IdentifiedMode {
         let curves = curves.map_err(Error::identification(name))?;
         // A density that does not explain the record says so by its misfit; where none can be computed, it is missing from the list.
         let evidence = [Evidence::Both, Evidence::Dissipation];
-        let densities = evidence.into_iter().filter_map(|e| density(&found.curves, e).ok()).collect();
-        let one = |(n, record): (usize, &RecordOfMode<'_>)| Comparison::new(name, record, &found, n);
-        let comparisons = records.iter().enumerate().map(one).collect::<Result<Vec<_>, _>>();
+        let one = |evidence: &Evidence| density(&found.curves, *evidence).ok();
+        let densities = in_parallel(&evidence, at_once(), &one).into_iter().flatten().collect();
+        let numbered: Vec<_> = records.iter().enumerate().collect();
+        let one = |(n, record): &(usize, &RecordOfMode<'_>)| Comparison::new(name, record, &found, *n);
+        let comparisons = in_parallel(&numbered, at_once(), &one).into_iter().collect::<Result<Vec<_>, _>>();
         let comparisons = comparisons.map_err(Error::simulation(name))?;
         Ok(Self { name: name.to_owned(), found, curves, densities, comparisons })
     }

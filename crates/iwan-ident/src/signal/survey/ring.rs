@@ -125,33 +125,24 @@ fn windowed(x: &[f64], window: Window) -> Vec<Complex64> {
     x.iter().zip(&window).map(|(x, w)| Complex64::new(w * (x - mean), 0.0)).collect()
 }
 
-/// Half-power width of the peak of e^(-r t) under a window, for t from 0 to 1; `rate` r >= 0. Twice the offset at which the power of
-/// [`Window::transformed`] is half of its largest value.
-fn width_of(window: Window, rate: f64) -> f64 {
-    let power = |offset: f64| window.transformed(Complex64::new(rate, 2.0 * PI * offset)).norm_sqr();
-    let half = 0.5 * power(0.0);
-    // Half the width is 0.64 and 0.95 lines for the windows alone; a rate of r adds r/(2π) at most.
-    let (mut low, mut high) = (0.0, 2.0 + rate);
-    for _ in 0..60 {
-        let middle = 0.5 * (low + high);
-        if power(middle) > half { low = middle } else { high = middle }
-    }
-    low + high
-}
-
 /// Decay rate (1/s) of the oscillation whose peak is `width` Hz wide at half its power, in a stretch of `length` seconds; none where the
 /// window alone is nearly as wide.
 pub(super) fn decay_rate(window: Window, width: f64, length: f64) -> Option<f64> {
     // Least width over that of the window alone. Below, the stretch is too short to tell a decay from none: the rate would be known to a quarter at best.
     const TOLD: f64 = 1.1;
+    // Whether the peak of e^(-r t), for t from 0 to 1, is wider at half its power than some lines: the power at half that width is more than half of the largest.
+    let is_wider = |rate: f64, lines: f64| {
+        let power = |offset: f64| window.transformed(Complex64::new(rate, 2.0 * PI * offset)).norm_sqr();
+        power(0.5 * lines) > 0.5 * power(0.0)
+    };
     let wanted = width * length;
-    if wanted < TOLD * width_of(window, 0.0) {
+    if is_wider(0.0, wanted / TOLD) {
         return None;
     }
     let (mut low, mut high) = (0.0, 8.0 * wanted + 1.0);
     for _ in 0..60 {
         let middle = 0.5 * (low + high);
-        if width_of(window, middle) < wanted { low = middle } else { high = middle }
+        if is_wider(middle, wanted) { high = middle } else { low = middle }
     }
     Some(0.5 * (low + high) / length)
 }
@@ -159,6 +150,18 @@ pub(super) fn decay_rate(window: Window, width: f64, length: f64) -> Option<f64>
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Half-power width of the peak of e^(-r t) under a window, for t from 0 to 1: twice the offset at which the power is half of its largest value.
+    fn width_of(window: Window, rate: f64) -> f64 {
+        let power = |offset: f64| window.transformed(Complex64::new(rate, 2.0 * PI * offset)).norm_sqr();
+        // Half the width is 0.64 and 0.95 lines for the windows alone; a rate of r adds r/(2π) at most.
+        let (mut low, mut high) = (0.0, 2.0 + rate);
+        for _ in 0..60 {
+            let middle = 0.5 * (low + high);
+            if power(middle) > 0.5 * power(0.0) { low = middle } else { high = middle }
+        }
+        low + high
+    }
 
     /// A decay that is over before the window falls has the width r/π of a Lorentzian.
     #[test]
