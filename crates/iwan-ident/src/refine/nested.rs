@@ -7,7 +7,8 @@
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor as llt;
-use faer::{Par, Spec};
+use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
+use faer::{MatRef, Par, Spec};
 use iwan_machine::memory::is_address_space_bounded;
 use nalgebra::{DMatrix, DVector};
 
@@ -44,6 +45,17 @@ impl Factors {
         Some(Self(matrix))
     }
 
+    /// Solves for each column of a matrix, in its place, with the factor itself.
+    fn solve(&self, right: &mut DMatrix<f64>) {
+        if is_address_space_bounded() {
+            self.0.solve_lower_triangular_unchecked_mut(right);
+            return;
+        }
+        let n = self.0.nrows();
+        let factor = MatRef::from_column_major_slice(self.0.as_slice(), n, n);
+        solve_lower_triangular_in_place(factor, blocked(right), Par::Seq);
+    }
+
     fn ln_determinant(&self) -> f64 {
         self.0.diagonal().iter().map(|d| 2.0 * d.ln()).sum()
     }
@@ -74,10 +86,16 @@ struct Eliminated {
 /// Products of columns in which the values of the first ones, of sizes `s`, are eliminated; and what remains of the products of the other columns.
 fn eliminated(gram: &DMatrix<f64>, s: &DVector<f64>) -> Option<(Eliminated, DMatrix<f64>)> {
     let (k, others) = (s.len(), gram.ncols() - s.len());
-    let entry = |i, j| s[i] * gram[(i, j)] * s[j] + f64::from(u8::from(i == j));
-    let factors = Factors::new(DMatrix::from_fn(k, k, entry))?;
-    let mut border = DMatrix::from_fn(k, others, |i, j| s[i] * gram[(i, k + j)]);
-    factors.0.solve_lower_triangular_unchecked_mut(&mut border);
+    let mut own = gram.view((0, 0), (k, k)).into_owned();
+    for (j, mut column) in own.column_iter_mut().enumerate() {
+        column.component_mul_assign(s);
+        column *= s[j];
+        column[j] += 1.0;
+    }
+    let factors = Factors::new(own)?;
+    let mut border = gram.view((0, k), (k, others)).into_owned();
+    border.column_iter_mut().for_each(|mut column| column.component_mul_assign(s));
+    factors.solve(&mut border);
     let mut rest = gram.view((k, k), (others, others)).into_owned();
     rest.gemm(-1.0, &border.transpose(), &border, 1.0);
     Some((Eliminated { factors, border }, rest))
@@ -179,11 +197,12 @@ impl Nested {
         let unknowns = rest.ncols() - 1;
         let factors = Factors::new(rest.view((0, 0), (unknowns, unknowns)).into_owned())?;
         ln_determinant += factors.ln_determinant();
-        let mut shared = rest.view((0, unknowns), (unknowns, 1)).column(0).into_owned();
-        factors.0.solve_lower_triangular_unchecked_mut(&mut shared);
+        let mut shared = rest.view((0, unknowns), (unknowns, 1)).into_owned();
+        factors.solve(&mut shared);
         let square = rest[(unknowns, unknowns)] - shared.norm_squared();
         let square = square.max(f64::EPSILON * self.square);
         factors.0.tr_solve_lower_triangular_unchecked_mut(&mut shared);
+        let shared = shared.column(0).into_owned();
         Some(Reduced { tiers, ln_determinant, shared, square })
     }
 

@@ -43,6 +43,8 @@ const FORETOLD: f64 = 0.3;
 /// Number of unknowns from which on triangular factors are made by blocks: fits of a dozen records have fifty, and factors made column by column were
 /// more than a tenth of their time. For the dozen unknowns of one record or a law they are less than a hundredth.
 const BLOCKED: usize = 24;
+/// Least sine of the angle between a column and the space of those before it with which triangular factors are made of the columns' products: nine digits of the factor are right then.
+const APART: f64 = 1e-3;
 /// Factor on the damping after a step that brought nothing: the next step is up to thirty times shorter.
 const GROWTH: f64 = 30.0;
 /// The same for coupled fits and joints of structures, whose sum of squares has a crease wherever a slider begins to slip: a step that a crease holds back is not helped by a
@@ -341,6 +343,9 @@ fn rotated(matrix: &DMatrix<f64>, right: &DVector<f64>) -> (DMatrix<f64>, DVecto
         factors.q_tr_mul(&mut turned);
         return (factors.r(), turned.rows(0, columns).into_owned());
     }
+    if let Some(found) = by_products(matrix, right) {
+        return found;
+    }
     let mut beside = matrix.clone().resize_horizontally(columns + 1, 0.0);
     beside.set_column(columns, right);
     let factor = triangular(beside);
@@ -348,6 +353,26 @@ fn rotated(matrix: &DMatrix<f64>, right: &DVector<f64>) -> (DMatrix<f64>, DVecto
         factor.view((0, 0), (columns, columns)).into_owned(),
         factor.view((0, columns), (columns, 1)).column(0).into_owned(),
     )
+}
+
+/// The same from the products of the columns, four times as fast; none where a column lies next to the space of those before it, because products lose as many digits again as the
+/// columns have in common.
+fn by_products(matrix: &DMatrix<f64>, right: &DVector<f64>) -> Option<(DMatrix<f64>, DVector<f64>)> {
+    let norms: Vec<f64> = matrix.column_iter().map(|column| column.norm()).collect();
+    let (mut unit, smallest) = (matrix.clone(), norms.iter().copied().fold(f64::INFINITY, f64::min));
+    if smallest < f64::MIN_POSITIVE {
+        return None;
+    }
+    unit.column_iter_mut().zip(&norms).for_each(|(mut column, norm)| column.unscale_mut(*norm));
+    let across = unit.transpose();
+    let lower = (&across * &unit).cholesky()?.unpack();
+    if lower.diagonal().min() < APART {
+        return None;
+    }
+    let turned = lower.solve_lower_triangular(&(across * right))?;
+    let mut factor = lower.transpose();
+    factor.column_iter_mut().zip(&norms).for_each(|(mut column, norm)| column.scale_mut(*norm));
+    Some((factor, turned))
 }
 
 /// How the coordinates of all other columns follow a change of the last one by 1, so that the residuals stay as small as they can.
@@ -404,6 +429,32 @@ mod tests {
         let search = Search { tolerance: 1e-5, ..search(2, &[0, 1], &[NONE; 2]) };
         let found = search.run(&mut valley, &[0.0, 0.0]).unwrap();
         assert!((found.x[0] - 1.0).abs() < 1e-2 && found.converged, "{:?}", found.x);
+    }
+
+    #[test]
+    fn factors_by_products_are_those_by_reflections() {
+        let mut matrix = DMatrix::from_fn(200, 30, |i, j| {
+            ((i * i + 3 * i * j + j * j * j) as f64).sin() * (j as f64 - 14.5).exp()
+        });
+        let right = DVector::from_fn(200, |i, _| (0.3 * i as f64).cos());
+        let (factor, turned) = by_products(&matrix, &right).unwrap();
+        let (exact, of_right) = {
+            let mut beside = matrix.clone().resize_horizontally(31, 0.0);
+            beside.set_column(30, &right);
+            let factor = triangular(beside);
+            (factor.view((0, 0), (30, 30)).into_owned(), factor.column(30).rows(0, 30).into_owned())
+        };
+        for j in 0..30 {
+            let sign = (exact[(j, j)] * factor[(j, j)]).signum();
+            assert!((factor.row(j) - exact.row(j) * sign).norm() < 1e-12 * exact.row(j).norm(), "{j}");
+            assert!((turned[j] - sign * of_right[j]).abs() < 1e-12 * right.norm(), "{j}");
+        }
+        // Columns that are nearly alike, and columns without effect, are left to reflections.
+        let alike = matrix.column(3) * 2.0 + matrix.column(4) * 1e-7;
+        matrix.set_column(9, &alike);
+        assert!(by_products(&matrix, &right).is_none());
+        matrix.fill_column(9, 0.0);
+        assert!(by_products(&matrix, &right).is_none());
     }
 
     #[test]
