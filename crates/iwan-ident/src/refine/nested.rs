@@ -18,6 +18,9 @@ use crate::search::blocked;
 /// Step of ln t in which the growth of a determinant with t is taken: the difference is right to a millionth.
 const DIFFERENCE: f64 = 1e-3;
 
+/// Number of columns from which on factors are made by blocks: for the few dozens of one record among several, blocks take longer than they save.
+const BLOCKED: usize = 64;
+
 /// Residuals of one record and their derivatives, in the same rows.
 pub(super) struct OfRecord {
     /// Residuals.
@@ -34,7 +37,7 @@ struct Factors(DMatrix<f64>);
 impl Factors {
     /// None where the matrix is not positive definite.
     fn new(mut matrix: DMatrix<f64>) -> Option<Self> {
-        if is_address_space_bounded() {
+        if Self::is_plain(matrix.nrows()) {
             return matrix.cholesky().map(|factors| Self(factors.unpack()));
         }
         let (n, spec) = (matrix.nrows(), Spec::default());
@@ -45,9 +48,14 @@ impl Factors {
         Some(Self(matrix))
     }
 
+    /// Whether a matrix of so many columns goes without blocks.
+    fn is_plain(columns: usize) -> bool {
+        columns < BLOCKED || is_address_space_bounded()
+    }
+
     /// Solves for each column of a matrix, in its place, with the factor itself.
     fn solve(&self, right: &mut DMatrix<f64>) {
-        if is_address_space_bounded() {
+        if Self::is_plain(self.0.nrows()) {
             self.0.solve_lower_triangular_unchecked_mut(right);
             return;
         }
@@ -86,19 +94,33 @@ struct Eliminated {
 /// Products of columns in which the values of the first ones, of sizes `s`, are eliminated; and what remains of the products of the other columns.
 fn eliminated(gram: &DMatrix<f64>, s: &DVector<f64>) -> Option<(Eliminated, DMatrix<f64>)> {
     let (k, others) = (s.len(), gram.ncols() - s.len());
-    let mut own = gram.view((0, 0), (k, k)).into_owned();
+    let mut own = part(gram, 0, 0, (k, k));
     for (j, mut column) in own.column_iter_mut().enumerate() {
         column.component_mul_assign(s);
         column *= s[j];
         column[j] += 1.0;
     }
     let factors = Factors::new(own)?;
-    let mut border = gram.view((0, k), (k, others)).into_owned();
+    let mut border = part(gram, 0, k, (k, others));
     border.column_iter_mut().for_each(|mut column| column.component_mul_assign(s));
     factors.solve(&mut border);
-    let mut rest = gram.view((k, k), (others, others)).into_owned();
+    let mut rest = part(gram, k, k, (others, others));
     rest.gemm(-1.0, &border.transpose(), &border, 1.0);
     Some((Eliminated { factors, border }, rest))
+}
+
+/// The sum of some matrices; none where there are none.
+fn sum<'a>(mut all: impl Iterator<Item = &'a DMatrix<f64>>) -> Option<DMatrix<f64>> {
+    let first = all.next()?.clone();
+    Some(all.fold(first, |sum, one| sum + one))
+}
+
+/// The part of a matrix that begins at a row and a column, copied column by column.
+fn part(matrix: &DMatrix<f64>, row: usize, column: usize, (rows, columns): (usize, usize)) -> DMatrix<f64> {
+    let mut out = Vec::with_capacity(rows * columns);
+    let whole = matrix.as_slice().chunks_exact(matrix.nrows().max(1));
+    whole.skip(column).take(columns).for_each(|whole| out.extend_from_slice(&whole[row..row + rows]));
+    DMatrix::from_vec(rows, columns, out)
 }
 
 /// All processes eliminated, with the products that remain: those of the shared unknowns and of the residuals.
@@ -183,8 +205,7 @@ impl Nested {
                     eliminated(&self.grams[group.records[0]], &group.spread(sizes))?
                 } else {
                     let parts = remaining.iter().filter(|(record, _)| inside(record));
-                    let sum = parts.map(|(_, gram)| gram.clone()).reduce(|a, b| a + b)?;
-                    eliminated(&sum, &group.spread(sizes))?
+                    eliminated(&sum(parts.map(|(_, gram)| gram))?, &group.spread(sizes))?
                 };
                 ln_determinant += one.factors.ln_determinant();
                 out.push(one);
@@ -193,11 +214,11 @@ impl Nested {
             tiers.push(out);
             remaining = rest;
         }
-        let rest = remaining.into_iter().map(|(_, gram)| gram).reduce(|a, b| a + b)?;
+        let rest = sum(remaining.iter().map(|(_, gram)| gram))?;
         let unknowns = rest.ncols() - 1;
-        let factors = Factors::new(rest.view((0, 0), (unknowns, unknowns)).into_owned())?;
+        let factors = Factors::new(part(&rest, 0, 0, (unknowns, unknowns)))?;
         ln_determinant += factors.ln_determinant();
-        let mut shared = rest.view((0, unknowns), (unknowns, 1)).into_owned();
+        let mut shared = part(&rest, 0, unknowns, (unknowns, 1));
         factors.solve(&mut shared);
         let square = rest[(unknowns, unknowns)] - shared.norm_squared();
         let square = square.max(f64::EPSILON * self.square);

@@ -234,7 +234,7 @@ impl Search {
         if square > 0.0 {
             let seen = DVector::from_iterator(self.count, after.iter().zip(before).map(|(a, b)| a - b));
             let surprise = seen - &*jacobian * &step;
-            *jacobian += surprise * step.transpose() / square;
+            jacobian.ger(1.0 / square, &surprise, &step, 1.0);
         }
     }
 
@@ -358,18 +358,21 @@ fn rotated(matrix: &DMatrix<f64>, right: &DVector<f64>) -> (DMatrix<f64>, DVecto
 /// The same from the products of the columns, four times as fast; none where a column lies next to the space of those before it, because products lose as many digits again as the
 /// columns have in common.
 fn by_products(matrix: &DMatrix<f64>, right: &DVector<f64>) -> Option<(DMatrix<f64>, DVector<f64>)> {
-    let norms: Vec<f64> = matrix.column_iter().map(|column| column.norm()).collect();
-    let (mut unit, smallest) = (matrix.clone(), norms.iter().copied().fold(f64::INFINITY, f64::min));
-    if smallest < f64::MIN_POSITIVE {
+    let across = matrix.transpose();
+    let mut products = &across * matrix;
+    let norms = products.diagonal().map(f64::sqrt);
+    if norms.min() < f64::MIN_POSITIVE {
         return None;
     }
-    unit.column_iter_mut().zip(&norms).for_each(|(mut column, norm)| column.unscale_mut(*norm));
-    let across = unit.transpose();
-    let lower = (&across * &unit).cholesky()?.unpack();
+    for (mut column, norm) in products.column_iter_mut().zip(&norms) {
+        column.component_div_assign(&norms);
+        column.unscale_mut(*norm);
+    }
+    let lower = products.cholesky()?.unpack();
     if lower.diagonal().min() < APART {
         return None;
     }
-    let turned = lower.solve_lower_triangular(&(across * right))?;
+    let turned = lower.solve_lower_triangular(&(across * right).component_div(&norms))?;
     let mut factor = lower.transpose();
     factor.column_iter_mut().zip(&norms).for_each(|(mut column, norm)| column.scale_mut(*norm));
     Some((factor, turned))
