@@ -9,7 +9,7 @@ use super::spectrum::{Band, is_alone};
 use super::survey::Treatment;
 use super::transients::{Ends, Gate, Known};
 use crate::error::Error;
-use crate::smooth::{Points, Polynomial, Smooth};
+use crate::smooth::{Points, Polynomial};
 
 /// Least number of cycles in the window: an envelope by polynomials then has some thirty values for three or more coefficients.
 /// A window with fewer is refused.
@@ -217,7 +217,7 @@ impl Isolated {
             self.enough_cycles()?;
             let fit = self.estimate_noise();
             let limit = ABOVE_NOISE * self.noise;
-            let sunk = self.raw.t.iter().position(|&t| fit.at(t).value.exp() < limit);
+            let sunk = self.raw.t.iter().position(|&t| fit.value(t).exp() < limit);
             let Some(at) = sunk else { break };
             let t = self.raw.t[at];
             cut = Some(format!("the mode sinks into noise (amplitude {limit:.6}) at {t:.6} s: cut there"));
@@ -229,7 +229,7 @@ impl Isolated {
         self.notes.extend(cut);
         self.enough_cycles()?;
         let fit = self.estimate_noise();
-        let ends = [0, self.raw.t.len() - 1].map(|i| fit.at(self.raw.t[i]).value);
+        let ends = [0, self.raw.t.len() - 1].map(|i| fit.value(self.raw.t[i]));
         if must_decay && ends[1] >= ends[0] {
             return Err(Error::Refused {
                 finding: format!(
@@ -292,7 +292,7 @@ impl Isolated {
         let fit =
             Polynomial::fit(&self.points(&self.raw.t, &self.raw.log_amplitude, &weight), None, MAX_ORDER);
         let scatter = |i: usize| {
-            let log = fit.at(self.raw.t[i]).value;
+            let log = fit.value(self.raw.t[i]);
             Scatter { amplitude: log.exp(), square: (self.raw.log_amplitude[i] - log).powi(2) }
         };
         let mut all: Vec<Scatter> = (0..count).map(scatter).collect();

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use super::extrema::extrema;
 use super::hilbert::{analytic_signal, whole_cycles};
-use crate::smooth::{Points, Polynomial, Smooth};
+use crate::smooth::{Points, Polynomial};
 
 /// Points per cycle that are kept. The automatic band is 0.55 of the frequency wide, so that four points a cycle are seven times as many as the signal has
 /// independent values. Two and eight change the damping within its scatter.
@@ -45,7 +45,7 @@ pub(crate) fn raw(samples: &[f64], window: &Range<usize>, dt: f64, centre: f64) 
     let points = Points { t: &t, y: &log, weight: &vec![1.0; t.len()], effective: 0.5 * t.len() as f64 };
     let curve = Polynomial::fit(&points, None, FLATTENING.min(t.len() / 4));
     // Beyond the first and the last peak a polynomial may run away.
-    let level = |n: usize| curve.at((n as f64).clamp(t[0], t[t.len() - 1])).value;
+    let level = |n: usize| curve.value((n as f64).clamp(t[0], t[t.len() - 1]));
     let flat: Vec<f64> = (0..x.len()).map(|n| x[n] / level(n).exp()).collect();
     let Some(cut) = whole_cycles(&flat) else { return Raw::default() };
     let Ok(analytic) = analytic_signal(&flat[cut.clone()]) else { return Raw::default() };

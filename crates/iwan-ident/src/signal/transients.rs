@@ -10,7 +10,7 @@ use std::ops::Range;
 use super::filter::Butterworth;
 use super::raw::Raw;
 use crate::error::Error;
-use crate::smooth::{Points, Polynomial, Smooth};
+use crate::smooth::{Points, Polynomial};
 
 /// Length over which an end of the mode is fitted by itself, to be continued beyond the window, in lengths of the transient; it is continued by one such length.
 const FITTED: f64 = 2.0;
@@ -98,7 +98,7 @@ struct Curves([Polynomial; 2]);
 
 impl Curves {
     fn at(&self, t: f64) -> [f64; 2] {
-        [self.0[0].at(t).value, self.0[1].at(t).value]
+        [self.0[0].value(t), self.0[1].value(t)]
     }
 }
 
