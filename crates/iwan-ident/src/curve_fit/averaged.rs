@@ -6,6 +6,7 @@
 use std::f64::consts::TAU;
 
 use iwan_core::Backbone;
+use iwan_machine::threads::{at_once, in_parallel};
 
 use super::verdict::{Compared, Verdict};
 use crate::curves::Curves;
@@ -151,7 +152,7 @@ pub fn fit_from(curves: &[Curves], starts: &[Parameters], held: &[Parameter]) ->
         let known = residuals(&entries, &f.parameters, &mut out);
         if known { out.iter().map(|r| r * r).sum::<f64>() } else { f64::INFINITY }
     };
-    let fits: Vec<_> = starts.iter().map(|first| fit(curves, first, held)).collect();
+    let fits = in_parallel(starts, at_once(), &|first| fit(curves, first, held));
     let best = fits.iter().flatten().min_by(|a, b| quality(a).total_cmp(&quality(b))).cloned();
     best.map_or_else(
         || fits.into_iter().next().unwrap_or(Err(Error::Length { name: "starts", needed: 1, found: 0 })),

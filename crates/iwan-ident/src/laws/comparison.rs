@@ -2,6 +2,7 @@
 
 use std::f64::consts::TAU;
 
+use iwan_machine::threads::{at_once, in_parallel};
 use nalgebra::DMatrix;
 
 use super::candidates::{CANDIDATES, Candidate};
@@ -341,20 +342,26 @@ impl Together {
         let (amplitudes, smooth) = (self.grid.amplitudes(), self.seen_curves());
         // Coordinates where the joint is known to lie: by the fit on the records, and by the fit of the joint alone once that is done.
         let mut joints: Vec<Vec<f64>> = iwan.and_then(|p| self.scales.of_iwan(p)).into_iter().collect();
-        let mut fits: Vec<(Candidate, Problem<'_>, Fitted<'_>)> = vec![];
-        for law in CANDIDATES {
+        let fit = |law: &Candidate, joints: &[Vec<f64>]| {
             let problem =
                 Problem::new(law.terms, self.scales, &amplitudes, &self.information, &self.near, &smooth);
             let known = joints.iter().filter(|_| law.has_iwan());
             let more: Vec<_> = known.map(|x| beside_a_joint(law, x.clone())).collect();
-            let Some(fitted) = problem.fit(&self.ladder, &more) else { continue };
-            if let [Term::Iwan] = law.terms {
-                joints.push(fitted.at.x.clone());
-            }
-            fits.push((*law, problem, fitted));
-        }
+            let fitted = problem.fit(&self.ladder, &more)?;
+            Some((*law, problem, fitted))
+        };
+        let alone = CANDIDATES.iter().position(|law| matches!(law.terms, [Term::Iwan]));
+        let (first, beside) = CANDIDATES.split_at(alone.map_or(0, |alone| alone + 1));
+        let mut fits: Vec<_> =
+            in_parallel(first, at_once(), &|law| fit(law, &joints)).into_iter().flatten().collect();
+        let joint = fits.iter().find(|(law, ..)| matches!(law.terms, [Term::Iwan]));
+        joints.extend(joint.map(|(_, _, fitted)| fitted.at.x.clone()));
+        fits.extend(in_parallel(beside, at_once(), &|law| fit(law, &joints)).into_iter().flatten());
         self.exchange(&mut fits);
-        fits.iter().filter_map(|(law, problem, fitted)| self.fitted_law(*law, problem, fitted)).collect()
+        let fitted = |(law, problem, fitted): &(Candidate, Problem<'_>, Fitted<'_>)| {
+            self.fitted_law(*law, problem, fitted)
+        };
+        in_parallel(&fits, at_once(), &fitted).into_iter().flatten().collect()
     }
 
     /// Lets the joint alone go on from where it was found beside a further part that describes the records better, and the joints with further parts

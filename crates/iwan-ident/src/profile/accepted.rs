@@ -1,6 +1,7 @@
 //! The region: the points that measurements accept, namely the best fit at each knee, how far parameters can move from there, and the intervals that
 //! all points leave together.
 
+use iwan_machine::threads::{at_once, in_parallel};
 use nalgebra::{DMatrix, DVector};
 
 use super::deviance::Scale;
@@ -48,12 +49,11 @@ impl Region {
     ///
     /// # Errors
     /// A better minimum, where one of the points has a deviance below [`Scale::better`].
-    pub(crate) fn of<G: Charted>(
+    pub(crate) fn of<G: Charted + Sync>(
         ground: &G,
         mut found: Vec<Minimum>,
         knee: Option<(usize, [f64; 2])>,
         scale: &Scale,
-        work: &mut G::Work,
     ) -> Result<Self, Minimum> {
         let best = found.iter().min_by(|a, b| a.cost.total_cmp(&b.cost));
         if let Some(better) = best.filter(|m| scale.rise(m) < scale.better) {
@@ -65,7 +65,8 @@ impl Region {
         };
         let to_largest_knee = reaches(|at, [_, high]| at >= high);
         let to_smallest_knee = reaches(|at, [low, _]| at <= low);
-        let points = found.into_iter().map(|m| Accepted::new(ground, m, scale, work)).collect();
+        let point = |m: &Minimum| Accepted::new(ground, m.clone(), scale, &mut G::Work::default());
+        let points = in_parallel(&found, at_once(), &point);
         Ok(Self { points, to_largest_knee, to_smallest_knee })
     }
 

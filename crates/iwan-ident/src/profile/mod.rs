@@ -18,10 +18,10 @@ mod walk;
 mod accepted;
 mod ends;
 
-use iwan_machine::threads::in_parallel;
+use iwan_machine::threads::{both, in_parallel};
 
 use crate::parameters::Parameter;
-use crate::refine::{Task, Workspace};
+use crate::refine::Task;
 use crate::search::{Chart, Minimum};
 pub(crate) use accepted::{Charted, Region};
 pub(crate) use deviance::Scale;
@@ -100,23 +100,26 @@ pub(crate) fn extent(task: &Task, minimum: &Minimum, micro_slip: Option<&Minimum
 
 /// All points that the records accept: from the minimum along all knees, or the minimum alone where the knee is not sought.
 fn region(task: &Task, minimum: &Minimum, scale: &Scale) -> Result<Region, Minimum> {
-    let mut work = Workspace::default();
     let Some(knee) = task.knee() else {
-        return Region::of(task, vec![minimum.clone()], None, scale, &mut work);
+        return Region::of(task, vec![minimum.clone()], None, scale);
     };
     let knees = task.knees();
     let range = [knees[knees.len() - 1], knees[0]];
     let limit = minimum.cost + scale.limit * scale.variance;
-    let mut found = task.sweep(minimum, limit, scale.tolerance());
-    found.extend(task.polished(&found));
+    let swept = || {
+        let sweep = task.sweep(minimum, limit, scale.tolerance());
+        let polished = task.polished(&sweep);
+        [sweep, polished].concat()
+    };
     let walked = |direction: &f64| {
         let mut walk = Walk::new(task, knee, task.smooth(), minimum, scale);
         walk.go(*direction).map(|_| walk.visited)
     };
-    for visited in in_parallel(&[-1.0, 1.0], 2, &walked) {
+    let (mut found, walks) = both(&swept, &|| in_parallel(&[-1.0, 1.0], 2, &walked));
+    for visited in walks {
         found.extend(visited?.into_iter().map(|v| v.minimum));
     }
-    Region::of(task, found, Some((knee, range)), scale, &mut work)
+    Region::of(task, found, Some((knee, range)), scale)
 }
 
 fn profile(task: &Task, known: Known<'_>, region: &Region, scale: &Scale, parameter: Parameter) -> Profile {

@@ -73,7 +73,7 @@ pub(super) fn region(task: &Task<'_>, minimum: &Minimum, scale: &Scale) -> Resul
     if let Some((knee, range)) = knee {
         found.extend(along(task, minimum, scale, knee, range, &mut work));
     }
-    Region::of(task, found, knee, scale, &mut work)
+    Region::of(task, found, knee, scale)
 }
 
 /// The best values of all other unknowns at knees near the minimum's, closely spaced, and at knees through the whole range.
