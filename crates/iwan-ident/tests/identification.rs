@@ -6,8 +6,11 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use iwan_core::{Backbone, Continuum, Hysteresis, Newmark, Reversal, Samples};
 use iwan_ident::curves::Quantity;
-use iwan_ident::identify::{Held, Identification, ModeRecord, Settings, identify, identify_until};
+use iwan_ident::identify::{
+    Held, Identification, ModeRecord, Settings, identify, identify_isolated, identify_until,
+};
 use iwan_ident::refine::{Discrepancy, RingDown, refine};
+use iwan_ident::signal::isolate;
 use iwan_ident::{Error, Grade, Parameter, Parameters};
 
 use crate::law_records::in_noise::{MadeRecord, in_noise};
@@ -364,6 +367,26 @@ fn a_linear_mode_needs_no_joint() {
     assert!((found.linear.damping_ratio / zeta - 1.0).abs() < 0.02);
     assert!(found.verdict.adequate, "{}", found.verdict.misfit);
     assert!(found.in_words().iter().any(|w| w.contains("joint is not needed")));
+}
+
+/// A mode that was isolated before gives the bits of one that the identification isolates itself; one of another record is refused.
+#[test]
+fn modes_isolated_before_give_the_same_bits() {
+    let samples = noisy(&record(&MODE_1, 0.4, 2e-4, 2500), 50.0, 3);
+    let own = ModeRecord { samples: &samples, dt: 2e-4, quantity: Quantity::Acceleration };
+    let settings = Settings::default();
+    let isolated = isolate(&samples, 2e-4, &settings.options).unwrap();
+    let before = identify_isolated(&[(own, &isolated)], &settings, None).unwrap();
+    let itself = identify(&[own], &settings).unwrap();
+    assert_eq!(before.parameters, itself.parameters);
+    assert_eq!(before.profiles, itself.profiles);
+    assert_eq!(before.verdict, itself.verdict);
+    let shorter = ModeRecord { samples: &samples[..2000], ..own };
+    let slower = ModeRecord { dt: 4e-4, ..own };
+    for other in [shorter, slower] {
+        let refused = identify_isolated(&[(other, &isolated)], &settings, None).unwrap_err().to_string();
+        assert!(refused.contains("isolated from another record"), "{refused}");
+    }
 }
 
 /// An identification that is stopped before it begins, or while it works, ends without a result.

@@ -102,7 +102,7 @@ pub fn identify(records: &[ModeRecord<'_>], settings: &Settings) -> Result<Ident
 /// searches are kept there: another process with the same records, settings and checkpoint goes on where this one ended, and arrives at the same bits.
 ///
 /// # Errors
-/// As [`identify`].
+/// As [`identify`]; [`Error::Refused`] for a mode that was isolated from a longer record, or at another sampling interval.
 pub fn identify_isolated(
     records: &[(ModeRecord<'_>, &Isolated)],
     settings: &Settings,

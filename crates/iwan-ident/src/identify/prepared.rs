@@ -33,7 +33,13 @@ impl<'a> Prepared<'a> {
         settings: &Settings,
     ) -> Result<Self, Error> {
         let isolated = match isolated {
-            Some(isolated) => Cow::Borrowed(isolated),
+            Some(isolated) if isolated.is_of(record.samples, record.dt) => Cow::Borrowed(isolated),
+            Some(_) => {
+                return Err(Error::Refused {
+                    finding: "the mode was isolated from another record: its samples are more, or at another interval".into(),
+                    remedy: "isolate it from the record that is given with it",
+                });
+            }
             None => Cow::Owned(isolate(record.samples, record.dt, &settings.options)?),
         };
         check_rate(1.0 / (isolated.band.peak * record.dt))?;

@@ -14,12 +14,14 @@ mod fit;
 mod estimates;
 mod extrapolation;
 mod held_out;
+mod together;
 mod comparison;
 
 pub use candidates::{CANDIDATES, Candidate};
-pub use comparison::{Comparison, FittedLaw, compare};
+pub use comparison::{Comparison, compare};
 pub use estimates::Estimate;
 pub(crate) use extrapolation::Extrapolation;
 pub use held_out::HeldOut;
 pub use mode::{Joint, LawMode, Rate};
 pub use slow::{Backbone, Scatter, Source};
+pub use together::FittedLaw;

@@ -352,8 +352,9 @@ impl Task {
     /// What the residuals at a point say about processes with nodes `spacing` apart in ln amplitude.
     fn look_at(&self, x: &[f64], spacing: f64, work: &mut Workspace) -> Option<Found> {
         let components = self.components(x, spacing, work)?;
-        let (r, jacobian) = self.linearised(x, self.seen_at(x), work)?;
-        let records = self.by_record(&self.seen_at(x), &jacobian, &r);
+        let unknowns = self.seen_at(x);
+        let (r, jacobian) = self.linearised(x, unknowns.clone(), work)?;
+        let records = self.by_record(&unknowns, &jacobian, &r);
         let freedom = (r.len() - jacobian.ncols()) as f64;
         let sizing = Sizing::new(&records, &components, freedom, TYPICAL);
         let likeliest = sizing.sizes()?;

@@ -155,3 +155,54 @@ impl Sizing {
         best
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use iwan_core::SplitMix64;
+    use nalgebra::DMatrix;
+
+    use super::*;
+    use crate::refine::fields::{Kind, Process};
+
+    /// Residuals of variance one on six records of fifty rows, with two processes of six values of which the first has a size; and what they are found to be.
+    fn found(size: f64) -> Likeliest {
+        let mut random = SplitMix64::new(3);
+        // The sum of twelve numbers from -1/2 to 1/2 is nearly normal, of variance one.
+        let mut normal = || (0..12).map(|_| 0.5 * random.next_symmetric()).sum::<f64>();
+        let mut matrix = |rows, columns| DMatrix::from_fn(rows, columns, |_, _| normal());
+        let shared: Vec<_> = (0..6).map(|_| matrix(50, 6)).collect();
+        let own: Vec<_> = (0..6).map(|_| matrix(50, 6)).collect();
+        let values = matrix(6, 1);
+        let one = |x: &DMatrix<f64>| OfRecord {
+            r: (matrix(50, 1) + x * (&values * size)).column(0).into_owned(),
+            own: matrix(50, 2),
+            shared: matrix(50, 3),
+        };
+        let records: Vec<_> = shared.iter().map(one).collect();
+        let all = Process { width: 6, records: (0..6).collect(), columns: shared };
+        let alone = |(i, x)| Process { width: 6, records: vec![i], columns: vec![x] };
+        let alone: Vec<_> = own.into_iter().enumerate().map(alone).collect();
+        let component = |kind, processes| Component { kind, shift: 0.0, processes };
+        let components = [component(Kind::Shared, vec![all]), component(Kind::OfRecord, alone)];
+        // 300 rows less fifteen unknowns; no size is expected before.
+        Sizing::new(&records, &components, 285.0, 1e3).sizes().unwrap()
+    }
+
+    #[test]
+    fn the_size_of_a_process_is_found_and_white_residuals_have_none() {
+        let white = found(0.0);
+        assert!(
+            white.sizes.iter().all(|size| *size == 0.0) && white.explained.abs() < 1e-6,
+            "{:?}",
+            white.sizes
+        );
+        // Six values tell a size to three tenths.
+        for size in [0.3, 1.0, 5.0] {
+            let Likeliest { sizes, explained, unexplained, .. } = found(size);
+            assert!((sizes[0] / size).ln().abs() < 0.7 && sizes[1] == 0.0, "{size}: {sizes:?}");
+            assert!(explained > 5.0 && explained < 6.0, "{size}: {explained}");
+            let left: f64 = unexplained.iter().map(DVector::norm_squared).sum();
+            assert!((left / (285.0 - explained)).ln().abs() < 0.2, "{size}: {left}");
+        }
+    }
+}

@@ -452,9 +452,16 @@ mod tests {
             assert!((factor.row(j) - exact.row(j) * sign).norm() < 1e-12 * exact.row(j).norm(), "{j}");
             assert!((turned[j] - sign * of_right[j]).abs() < 1e-12 * right.norm(), "{j}");
         }
+        // Nine digits are left where a column lies as near to others as it may.
+        let apart = matrix.column(9) / matrix.column(9).norm() * (2.0 * APART);
+        let near = matrix.column(3) / matrix.column(3).norm() + &apart;
+        matrix.set_column(9, &near);
+        let (factor, _) = by_products(&matrix, &right).unwrap();
+        let exact = triangular(matrix.clone());
+        assert!((factor[(9, 9)] / exact[(9, 9)].abs() - 1.0).abs() < 1e-9);
         // Columns that are nearly alike, and columns without effect, are left to reflections.
-        let alike = matrix.column(3) * 2.0 + matrix.column(4) * 1e-7;
-        matrix.set_column(9, &alike);
+        let near = matrix.column(3) / matrix.column(3).norm() + apart * 0.1;
+        matrix.set_column(9, &near);
         assert!(by_products(&matrix, &right).is_none());
         matrix.fill_column(9, 0.0);
         assert!(by_products(&matrix, &right).is_none());

@@ -99,6 +99,11 @@ impl Isolated {
         (self.time(self.window.start), self.time(self.window.end - 1))
     }
 
+    /// Whether the mode can have been isolated from the record `x` with samples every `dt` seconds.
+    pub(crate) fn is_of(&self, x: &[f64], dt: f64) -> bool {
+        self.samples.len() <= x.len() && self.dt == dt
+    }
+
     /// Adds the lines that do not decay to the reason why a mode could not be followed.
     pub(crate) fn refused(&self, error: Error) -> Error {
         let lines = self.steady.join(", and ");
