@@ -32,7 +32,7 @@ fn every_law_is_simulated() {
 /// Two records of every law, at 40 and 30 dB; `examples/laws.rs` makes a hundred.
 #[test]
 fn the_law_is_named_and_its_parameters_are_held() {
-    let (mut closed, mut held, mut wrong) = (0, 0, vec![]);
+    let (mut closed, mut held, mut wrong, mut without_exponent) = (0, 0, vec![], 0);
     for law in LAWS {
         for (seed, decibels) in [(0, 40.0), (1, 30.0)] {
             let clean = ring_down(law, seed);
@@ -43,6 +43,14 @@ fn the_law_is_named_and_its_parameters_are_held() {
             }
             // The named law describes the record, and the true law is never rejected.
             assert!(found.chosen().grade != Grade::No && own.grade != Grade::No, "{law} {seed}");
+            // A coefficient whose unit hangs on an exponent that is not told has no interval.
+            let all: Vec<_> = found.laws.iter().flat_map(|law| law.parameters.windows(2)).collect();
+            for pair in all.iter().filter(|pair| ["damping_n", "spring_exponent"].contains(&pair[1].name)) {
+                if pair[1].low.is_none() && pair[1].high.is_none() {
+                    without_exponent += 1;
+                    assert!(pair[0].low.is_none() && pair[0].high.is_none(), "{law} {seed}: {pair:?}");
+                }
+            }
             for p in &own.parameters {
                 let (Some(low), Some(high)) = (p.low, p.high) else { continue };
                 let truth = clean.truth.iter().find(|t| t.0 == p.name).unwrap().1;
@@ -54,6 +62,7 @@ fn the_law_is_named_and_its_parameters_are_held() {
     // Of 32 records: at 30 dB, separate powers and an Iwan joint can each describe some of the other's records.
     assert!(wrong.len() <= 2, "{wrong:?}");
     assert!(closed > 60 && 100 * held >= 90 * closed, "{held} of {closed}");
+    assert!(without_exponent > 0);
 }
 
 /// The frequency of dry friction behind a spring, and of a cubic spring, changes at a knee: two linear modes describe that better than smooth
