@@ -23,6 +23,7 @@ impl Task {
         let mut moved = x.to_vec();
         if let Ok(own) = chart.coordinates(&self.chart.parameters(x)) {
             moved[..own.len()].copy_from_slice(&own);
+            Self::keep_days(x, &mut moved);
         }
         moved
     }

@@ -14,8 +14,8 @@ use super::ring_down::Discrepancy;
 use super::sizes::{Likeliest, Sizing};
 use super::task::{DAY, FINE, OWN, Task, Workspace, no_ring_down, record_of};
 use crate::error::Error;
-use crate::parameters::{COUNT, Parameter};
-use crate::search::{DIRAC, Minimum};
+use crate::parameters::COUNT;
+use crate::search::{DIRAC, FREQUENCY, Minimum};
 
 /// Most rounds in which the discrepancies' sizes, the noise and the best fit are brought into agreement. With three, ends of searches on measured
 /// records were still apart by hundreds in ln likelihood; most agree after four to ten. The best round is taken, also where all rounds are spent.
@@ -191,8 +191,8 @@ impl Task {
     fn on_mean_day(&self, x: &[f64]) -> Vec<f64> {
         let days: Vec<f64> = self.starts_at(x).iter().map(|start| start.day).collect();
         let mut x = x.to_vec();
-        if let Some(j) = self.chart.index(Parameter::Frequency).filter(|j| self.free().contains(j)) {
-            x[j] += days.iter().sum::<f64>() / days.len() as f64;
+        if self.free().contains(&FREQUENCY) {
+            x[FREQUENCY] += days.iter().sum::<f64>() / days.len() as f64;
         }
         x
     }
@@ -209,7 +209,7 @@ impl Task {
         jacobian.rows_mut(self.in_windows(), days.len()).scale_mut(inflated);
         let Some(spread) = jacobian.qr().r().try_inverse() else { return };
         let row = |j: usize| unknowns.iter().position(|u| *u == j).map(|k| spread.row(k));
-        let mean = self.chart.index(Parameter::Frequency).and_then(row);
+        let mean = row(FREQUENCY);
         let uncertain = |record: usize| {
             let own = row(COUNT + OWN * record + DAY)?;
             Some(mean.map_or_else(|| own.norm_squared(), |mean| (own - mean).norm_squared()))

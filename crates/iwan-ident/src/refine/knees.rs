@@ -139,10 +139,9 @@ impl Task {
 
     /// `x` with the softening reduced until K_∞ is positive.
     fn with_residual_stiffness(&self, mut x: Vec<f64>) -> Vec<f64> {
-        let p = self.chart.parameters(&x);
-        let most = MOST_JOINT * (TAU * p.frequency).powi(2);
-        if p.k_t > most && self.chart.scales == Scales::SofteningAndKnee {
-            x[SOFTENING] += (most / p.k_t).ln();
+        let part = self.chart.stiffness_up_to(&x, MOST_JOINT);
+        if part < 1.0 && self.chart.scales == Scales::SofteningAndKnee {
+            x[SOFTENING] += part.ln();
         }
         x
     }

@@ -197,19 +197,24 @@ impl Windowed {
     }
 
     /// The turning point for the record's own unknowns: ln of the amplitude over the first guess, phase of the release (rad), and ln of the record's
-    /// own frequency at small amplitude over that of the windows. The last one, less the same logarithm of the mode's frequency `omega` (rad/s), is
-    /// the day, where records have days.
-    pub(super) fn start_at(&self, own: &[f64], omega: f64, has_day: bool) -> TurningPoint {
+    /// own frequency over that of the windows. The last one, less the same logarithm of the mode's frequency at the same amplitude (`ln_frequency`, ln Hz), is
+    /// the day, where records have days. `omega` is the mode's frequency at rest, rad/s.
+    pub(super) fn start_at(
+        &self,
+        own: &[f64],
+        (omega, ln_frequency): (f64, f64),
+        has_day: bool,
+    ) -> TurningPoint {
         TurningPoint {
             displacement: self.start.displacement * own[0].exp(),
             time: self.start.time + own[1] / omega,
-            day: if has_day { self.start.day + own[2] - self.ln_over_windows(omega) } else { 0.0 },
+            day: if has_day { self.start.day + own[2] - self.over_windows(ln_frequency) } else { 0.0 },
         }
     }
 
-    /// ln of the frequency `omega` (rad/s) over that of the windows.
-    pub(super) fn ln_over_windows(&self, omega: f64) -> f64 {
-        (omega / self.windows.omega).ln()
+    /// A ln frequency (Hz) less that of the windows.
+    pub(super) fn over_windows(&self, ln_frequency: f64) -> f64 {
+        ln_frequency - (self.windows.omega / TAU).ln()
     }
 
     /// Replaces each amplitude of a model by the record's amplitude times the logarithm of the ratio of record to model: the difference of the two to

@@ -18,16 +18,16 @@ use super::release::{Sampling, TurningPoint};
 use super::ring_down::{Discrepancy, Refined, RingDown};
 use crate::error::{Error, check};
 use crate::parameters::{COUNT, Parameter, Parameters};
-use crate::search::{Chart, Kept, Minimum, Search};
+use crate::search::{Chart, FREQUENCY, Kept, Minimum, Search};
 
-/// Unknowns of each record: ln of the first amplitude over its guess, phase of the release, and ln of the record's own frequency at small amplitude
+/// Unknowns of each record: ln of the first amplitude over its guess, phase of the release, and ln of the record's own frequency, where the first coordinate of the mode is taken,
 /// over that of its windows. The third is not the day's frequency over the mean: a record tells its own frequency, and a mean that moves with all
 /// days is a long way for a search.
 pub(super) const OWN: usize = 3;
 /// Bound, to either side, of ln of a record's own frequency over that of its windows: a joint that softens by a third hides as much of the frequency
 /// at rest.
 const OWN_FREQUENCY: f64 = 0.5;
-/// Bound, to either side, of ln of the mode's frequency at small amplitude over that of the windows: a factor of four, twice what a joint of three
+/// Bound, to either side, of ln of the mode's frequency over that of the windows: a factor of four, twice what a joint of three
 /// times the residual stiffness can hide. An interval of the frequency that reaches it is open. Without it the walk along the frequency of a record that
 /// no joint tells went on to a thousand times the frequency, where a ring-down has a thousand times as many half cycles: the fit took seventeen times as long.
 const FARTHEST_FREQUENCY: f64 = 1.4;
@@ -247,9 +247,9 @@ impl Task {
     pub(crate) fn bounds(&self) -> Vec<(f64, f64)> {
         let own = [(-3.0, 3.0), (-0.5 * PI, 0.5 * PI), (-OWN_FREQUENCY, OWN_FREQUENCY)];
         let mut shared = Chart::bounds();
-        if let (Some(j), Some(record)) = (self.chart.index(Parameter::Frequency), self.records.first()) {
+        if let Some(record) = self.records.first() {
             let ln_frequency = (record.windows.omega / TAU).ln();
-            shared[j] = (ln_frequency - FARTHEST_FREQUENCY, ln_frequency + FARTHEST_FREQUENCY);
+            shared[FREQUENCY] = (ln_frequency - FARTHEST_FREQUENCY, ln_frequency + FARTHEST_FREQUENCY);
         }
         shared.into_iter().chain(self.records.iter().flat_map(|_| own)).collect()
     }
@@ -257,17 +257,15 @@ impl Task {
     pub(crate) fn coordinates(&self, parameters: &Parameters) -> Result<Vec<f64>, Error> {
         let mut x = self.chart.coordinates(parameters)?.to_vec();
         for record in &self.records {
-            x.extend([0.0, 0.0, record.ln_over_windows(TAU * parameters.frequency)]);
+            x.extend([0.0, 0.0, record.over_windows(x[FREQUENCY])]);
         }
         Ok(x)
     }
 
     /// Moves the records' own frequencies in `to` by as much as the mode's frequency has moved from `from`, so that the days stay.
-    pub(super) fn keep_days(&self, from: &[f64], to: &mut [f64]) {
-        if let Some(j) = self.chart.index(Parameter::Frequency) {
-            let moved = to[j] - from[j];
-            to[COUNT..].iter_mut().skip(DAY).step_by(OWN).for_each(|own| *own += moved);
-        }
+    pub(crate) fn keep_days(from: &[f64], to: &mut [f64]) {
+        let moved = to[FREQUENCY] - from[FREQUENCY];
+        to[COUNT..].iter_mut().skip(DAY).step_by(OWN).for_each(|own| *own += moved);
     }
 
     /// The turning point of each record.
@@ -279,7 +277,7 @@ impl Task {
     pub(super) fn start_at(&self, x: &[f64], place: usize) -> TurningPoint {
         let omega = TAU * self.chart.parameters(x).frequency;
         let own = &x[COUNT + OWN * place..COUNT + OWN * (place + 1)];
-        self.records[place].start_at(own, omega, self.has_days())
+        self.records[place].start_at(own, (omega, x[FREQUENCY]), self.has_days())
     }
 
     /// A search over the coordinates in `free`.

@@ -14,7 +14,7 @@ use super::task::{Effort, FINE, ROUGH, Task, Workspace, no_ring_down};
 use crate::curve_fit::predict;
 use crate::error::Error;
 use crate::parameters::{COUNT, Parameter, Parameters};
-use crate::search::{CHI, Chart, DIRAC, KNEE, Minimum, TOLERANCE};
+use crate::search::{CHI, Chart, DAMPING, DIRAC, FREQUENCY, KNEE, Minimum, TOLERANCE};
 
 /// Powers χ of further start values at the same softening: those that measured joints have. A slope that is read off a short or noisy curve can be
 /// wrong by half.
@@ -87,12 +87,10 @@ impl Task {
                 let lost = (was.dissipation - is.dissipation) / (TAU * omega_squared * loudest * loudest);
                 p.damping_ratio = (p.damping_ratio + lost).max(0.0);
                 let moved = self.coordinates(&p).unwrap_or_else(|_| other.clone());
-                for parameter in [Parameter::Frequency, Parameter::DampingRatio] {
-                    if let Some(j) = self.chart.index(parameter).filter(|j| free.contains(j)) {
-                        other[j] = moved[j];
-                    }
+                for j in [FREQUENCY, DAMPING].into_iter().filter(|j| free.contains(j)) {
+                    other[j] = moved[j];
                 }
-                self.keep_days(x, &mut other);
+                Self::keep_days(x, &mut other);
             }
             other
         };

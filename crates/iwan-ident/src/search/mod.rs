@@ -6,7 +6,7 @@ mod triangular;
 mod least_squares;
 mod non_negative;
 
-pub(crate) use chart::{CHI, Chart, DIRAC, KNEE, SOFTENING, Scales};
+pub(crate) use chart::{CHI, Chart, DAMPING, DIRAC, FREQUENCY, KNEE, SOFTENING, Scales};
 pub(crate) use kept::Kept;
 pub(crate) use least_squares::{LARGE_GROWTH, Minimum, Problem, Search, TOLERANCE, following};
 pub(crate) use non_negative::solve as solve_non_negative;
