@@ -14,6 +14,9 @@ const TOLERANCE: f64 = 1e-5;
 /// moves the end by half of that part. Intervals that allow for what a model misses are as wide as a rise of several times the least sum of squares.
 const LEFT: f64 = 1e-3;
 
+/// The same part for searches at the knees of a sweep, which say whether a knee is accepted and where walks begin: walks along the knee and along each parameter find the ends themselves.
+const LEFT_BY_SWEEPS: f64 = 0.02;
+
 /// The unit and the limit of deviance that all profiles of a task share.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Scale {
@@ -69,7 +72,16 @@ impl Scale {
 
     /// Relative reduction of the sum of squares at which a search along the profile ends.
     pub(super) fn tolerance(&self) -> f64 {
+        self.leaving(LEFT)
+    }
+
+    /// The same for searches at the knees of a sweep.
+    pub(super) fn tolerance_of_sweeps(&self) -> f64 {
+        self.leaving(LEFT_BY_SWEEPS)
+    }
+
+    fn leaving(&self, part: f64) -> f64 {
         let rise = self.limit * self.variance;
-        TOLERANCE.max(LEFT * rise / (self.least + rise))
+        TOLERANCE.max(part * rise / (self.least + rise))
     }
 }

@@ -106,11 +106,7 @@ fn region(task: &Task, minimum: &Minimum, scale: &Scale) -> Result<Region, Minim
     let knees = task.knees();
     let range = [knees[knees.len() - 1], knees[0]];
     let limit = minimum.cost + scale.limit * scale.variance;
-    let swept = || {
-        let sweep = task.sweep(minimum, limit, scale.tolerance());
-        let polished = task.polished(&sweep);
-        [sweep, polished].concat()
-    };
+    let swept = || task.swept(minimum, limit, scale.tolerance_of_sweeps());
     let walked = |direction: &f64| {
         let mut walk = Walk::new(task, knee, task.smooth(), minimum, scale);
         walk.go(*direction).map(|_| walk.visited)

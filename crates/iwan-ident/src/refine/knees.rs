@@ -70,6 +70,11 @@ pub(super) fn valleys(scan: &[Minimum]) -> Vec<Minimum> {
     found
 }
 
+/// The sum of squares below which a sweep from `best` looks at points closely.
+fn margin(best: &Minimum, limit: f64) -> f64 {
+    best.cost + MARGIN * (limit - best.cost)
+}
+
 /// Knees (in ln φ_max) at distances of a hundredth and more from another knee, to both sides.
 pub(super) fn close_to(knee: f64) -> Vec<f64> {
     (1..=CLOSE).flat_map(|i| [-1.0, 1.0].map(|sign| knee + sign * FINE_STEP * f64::from(i))).collect()
@@ -177,45 +182,74 @@ impl Task {
         ends.min_by(|a, b| a.cost.total_cmp(&b.cost))
     }
 
+    /// The least sums of squares at held knees, from `best` outwards to both sides, and the minima over all unknowns next to the deepest few of their valleys. Under noise valleys above
+    /// the sweep's margin stay as they are: no minimum next to them lies below the limit.
+    pub(crate) fn swept(&self, best: &Minimum, limit: f64, tolerance: f64) -> Vec<Minimum> {
+        let mut sweep = self.sweep(best, limit, tolerance);
+        let all = self.may_lie_beside_a_narrow_valley(best);
+        let most = if all { f64::INFINITY } else { margin(best, limit) };
+        let polished = self.polished(&sweep, most);
+        sweep.extend(polished);
+        sweep
+    }
+
     /// The least sums of squares at held knees, from `best` outwards to both sides. Points below a margin, `MARGIN` times as far above `best` as
     /// `limit`, are sought to the relative `tolerance`. Under noise a sweep ends when none of the last few points lies below the margin; without
     /// noise valleys are so narrow that none is ever seen from afar, and the whole range is taken at half steps.
-    pub(crate) fn sweep(&self, best: &Minimum, limit: f64, tolerance: f64) -> Vec<Minimum> {
-        let (mut knees, margin) = (self.knees(), best.cost + MARGIN * (limit - best.cost));
+    pub(super) fn sweep(&self, best: &Minimum, limit: f64, tolerance: f64) -> Vec<Minimum> {
+        let mut knees = self.knees();
         let (high, low) = (knees[0], knees[knees.len() - 1]);
         let all = self.may_lie_beside_a_narrow_valley(best);
         if all {
             let between = knees.windows(2).map(|pair| 0.5 * (pair[0] + pair[1])).collect::<Vec<_>>();
             knees.extend(between);
         }
-        knees.extend(close_to(best.x[KNEE]).into_iter().filter(|k| (low..=high).contains(k)));
-        knees.sort_by(|a, b| b.total_cmp(a));
-        let split = knees.partition_point(|k| *k > best.x[KNEE]);
-        let go = |side: &[f64]| self.outwards(best, side, (margin, tolerance), !all);
-        let above: Vec<f64> = knees[..split].iter().rev().copied().collect();
-        let (above, below) = both(&|| go(&above), &|| go(&knees[split..]));
+        let middle = best.x[KNEE];
+        let close: Vec<f64> = close_to(middle).into_iter().filter(|k| (low..=high).contains(k)).collect();
+        let go = |is_above: bool| {
+            let side = |knees: &[f64]| -> Vec<f64> {
+                knees.iter().copied().filter(|knee| (*knee > middle) == is_above).collect()
+            };
+            self.outwards(best, [side(&knees), side(&close)], (limit, tolerance), !all)
+        };
+        let (above, below) = both(&|| go(true), &|| go(false));
         [vec![best.clone()], above, below].concat()
     }
 
-    /// One side of a sweep; with `ends_early` it ends after `PATIENCE` knees in a row above the margin.
+    /// One side of a sweep: at the first of these knees, and at the second ones, which lie close to `best`, unless a point a step away is accepted and the valley is therefore wider than a step.
+    /// With `ends_early` the sweep ends after `PATIENCE` knees in a row above the margin.
     fn outwards(
         &self,
         best: &Minimum,
-        side: &[f64],
-        (margin, tolerance): (f64, f64),
+        [mut knees, close]: [Vec<f64>; 2],
+        (limit, tolerance): (f64, f64),
         ends_early: bool,
     ) -> Vec<Minimum> {
         let (mut found, mut work) = (vec![], Workspace::default());
-        let (mut near, mut outside) = (best.x.clone(), 0);
-        for at in side {
-            let mut x = self.start_at_knee(&near, *at);
-            x[KNEE] = *at;
-            let scanned = self.minimise_with(&x, self.smooth(), Effort::SCAN, &mut work);
-            let Some(mut minimum) = scanned else { continue };
-            if minimum.cost < margin {
-                let fine = self.minimise(&minimum.x, self.smooth(), tolerance, &mut work);
-                minimum = fine.unwrap_or(minimum);
-            }
+        let (mut near, mut outside, margin) = (best.x.clone(), 0, margin(best, limit));
+        let away = |knee: &f64| (knee - best.x[KNEE]).abs();
+        let order = |knees: &mut Vec<f64>| knees.sort_by(|a, b| away(a).total_cmp(&away(b)));
+        let mut at_knee = |near: &[f64], at: f64| {
+            let mut x = self.start_at_knee(near, at);
+            x[KNEE] = at;
+            let scanned = self.minimise_with(&x, self.smooth(), Effort::SCAN, &mut work)?;
+            let close = scanned.cost < margin;
+            let fine =
+                close.then(|| self.minimise(&scanned.x, self.smooth(), tolerance, &mut work)).flatten();
+            Some(fine.unwrap_or(scanned))
+        };
+        order(&mut knees);
+        let step = knees.iter().position(|knee| away(knee) >= STEP);
+        let a_step_away = step.filter(|_| ends_early).and_then(|i| at_knee(&best.x, knees[i]));
+        if let Some(accepted) = a_step_away.filter(|minimum| minimum.cost < limit) {
+            (near, knees) = (accepted.x.clone(), knees.split_off(step.map_or(0, |i| i + 1)));
+            found.push(accepted);
+        } else {
+            knees.extend(close);
+            order(&mut knees);
+        }
+        for at in knees {
+            let Some(minimum) = at_knee(&near, at) else { continue };
             near.clone_from(&minimum.x);
             outside = if minimum.cost < margin { 0 } else { outside + 1 };
             found.push(minimum);
@@ -226,9 +260,10 @@ impl Task {
         found
     }
 
-    /// The minima over all unknowns next to the deepest few valleys of a sweep.
-    pub(crate) fn polished(&self, sweep: &[Minimum]) -> Vec<Minimum> {
+    /// The minima over all unknowns next to the deepest few valleys of a sweep that lie below a sum of squares.
+    pub(super) fn polished(&self, sweep: &[Minimum], below: f64) -> Vec<Minimum> {
         let mut found = valleys(sweep);
+        found.retain(|valley| valley.cost < below);
         found.truncate(POLISHED);
         let bottom = |m: &Minimum| self.minimise(&m.x, self.free(), FINE, &mut Workspace::default());
         in_parallel(&found, found.len(), &bottom).into_iter().flatten().collect()

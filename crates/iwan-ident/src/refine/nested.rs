@@ -5,6 +5,10 @@
 //! there to those of all (block elimination from the leaves of a tree; J. C. Pinheiro, D. M. Bates, *Mixed-Effects Models in S and S-PLUS*, Springer 2000, Sec. 2.2). For fifteen
 //! records with four hundred columns a trial of sizes takes two fifths of the time that one large matrix takes.
 
+use std::cell::RefCell;
+use std::collections::VecDeque;
+use std::rc::Rc;
+
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor as llt;
 use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
@@ -21,6 +25,9 @@ const DIFFERENCE: f64 = 1e-3;
 /// Number of columns from which on factors are made by blocks: for the few dozens of one record among several, blocks take longer than they save.
 /// A judgement between these and the hundreds of a single record without noise.
 const BLOCKED: usize = 64;
+
+/// Number of eliminations of the finest tier that are kept: those of the two sizes to either side of the best ones so far for each of two components, those of the best ones, and one to spare.
+const KNOWN: usize = 6;
 
 /// Residuals of one record and their derivatives, in the same rows.
 pub(super) struct OfRecord {
@@ -124,9 +131,19 @@ fn part(matrix: &DMatrix<f64>, row: usize, column: usize, (rows, columns): (usiz
     DMatrix::from_vec(rows, columns, out)
 }
 
+/// Processes of the finest tier that are eliminated, with what remains of each group's products and one of the group's records.
+struct Finest {
+    /// The sizes of the tier's components.
+    sizes: Vec<f64>,
+    eliminated: Vec<Eliminated>,
+    rest: Vec<(usize, DMatrix<f64>)>,
+}
+
 /// All processes eliminated, with the products that remain: those of the shared unknowns and of the residuals.
 struct Reduced {
-    tiers: Vec<Vec<Eliminated>>,
+    finest: Rc<Finest>,
+    /// The coarser tiers.
+    coarser: Vec<Vec<Eliminated>>,
     /// ln of the determinant of 1 + S Zᵀ P Z S, where P takes off what the unknowns explain.
     ln_determinant: f64,
     /// Values of the shared unknowns, in an orthonormal basis.
@@ -145,6 +162,8 @@ pub(super) struct Nested {
     grams: Vec<DMatrix<f64>>,
     /// Sum of squares of the residuals, without what the unknowns explain.
     square: f64,
+    /// The finest tier at the sizes that were tried last: most of a trial's time goes into it, and trials of other components leave it as it is.
+    finest: RefCell<VecDeque<Rc<Finest>>>,
 }
 
 impl Nested {
@@ -185,7 +204,7 @@ impl Nested {
         };
         let columns: Vec<DMatrix<f64>> = (0..records.len()).map(one).collect();
         let grams = columns.iter().map(|all| all.transpose() * all).collect();
-        Self { tiers, columns, grams, square }
+        Self { tiers, columns, grams, square, finest: RefCell::default() }
     }
 
     /// ln of the determinant of 1 + S Zᵀ P Z S, and the residuals' sum of squares weighted by the inverse of their covariance; none where rounding leaves no positive matrix.
@@ -193,29 +212,50 @@ impl Nested {
         self.reduced(sizes).map(|reduced| (reduced.ln_determinant, reduced.square))
     }
 
+    /// The finest tier eliminated; none where there are no processes, and where rounding leaves no positive matrix.
+    fn finest(&self, sizes: &[f64]) -> Option<Rc<Finest>> {
+        let groups = self.tiers.first()?;
+        let own: Vec<f64> = groups[0].processes.iter().map(|(component, _)| sizes[*component]).collect();
+        let mut known = self.finest.borrow_mut();
+        if let Some(found) = known.iter().find(|finest| finest.sizes == own) {
+            return Some(found.clone());
+        }
+        let (mut all, mut rest) = (vec![], vec![]);
+        for group in groups {
+            let record = group.records[0];
+            let (one, left) = eliminated(&self.grams[record], &group.spread(sizes))?;
+            all.push(one);
+            rest.push((record, left));
+        }
+        if known.len() >= KNOWN {
+            known.pop_front();
+        }
+        known.push_back(Rc::new(Finest { sizes: own, eliminated: all, rest }));
+        known.back().cloned()
+    }
+
     fn reduced(&self, sizes: &[f64]) -> Option<Reduced> {
-        let mut tiers = Vec::with_capacity(self.tiers.len());
-        let mut ln_determinant = 0.0;
+        let finest = self.finest(sizes)?;
+        let of = |all: &[Eliminated]| all.iter().map(|one| one.factors.ln_determinant()).sum::<f64>();
+        let mut ln_determinant = of(&finest.eliminated);
+        let mut coarser = vec![];
         // What remains of the products of each group, with one of the group's records.
-        let mut remaining: Vec<(usize, DMatrix<f64>)> = vec![];
-        for (tier, groups) in self.tiers.iter().enumerate() {
+        let mut remaining: Option<Vec<(usize, DMatrix<f64>)>> = None;
+        for groups in self.tiers.iter().skip(1) {
+            let finer = remaining.as_deref().unwrap_or(&finest.rest);
             let (mut out, mut rest) = (vec![], vec![]);
             for group in groups {
-                let inside = |record: &usize| group.records.contains(record);
-                let (one, left) = if tier == 0 {
-                    eliminated(&self.grams[group.records[0]], &group.spread(sizes))?
-                } else {
-                    let parts = remaining.iter().filter(|(record, _)| inside(record));
-                    eliminated(&sum(parts.map(|(_, gram)| gram))?, &group.spread(sizes))?
-                };
-                ln_determinant += one.factors.ln_determinant();
+                let parts = finer.iter().filter(|(record, _)| group.records.contains(record));
+                let (one, left) = eliminated(&sum(parts.map(|(_, gram)| gram))?, &group.spread(sizes))?;
                 out.push(one);
                 rest.push((group.records[0], left));
             }
-            tiers.push(out);
-            remaining = rest;
+            ln_determinant += of(&out);
+            coarser.push(out);
+            remaining = Some(rest);
         }
-        let rest = sum(remaining.iter().map(|(_, gram)| gram))?;
+        let finer = remaining.as_deref().unwrap_or(&finest.rest);
+        let rest = sum(finer.iter().map(|(_, gram)| gram))?;
         let unknowns = rest.ncols() - 1;
         let factors = Factors::new(part(&rest, 0, 0, (unknowns, unknowns)))?;
         ln_determinant += factors.ln_determinant();
@@ -225,7 +265,7 @@ impl Nested {
         let square = square.max(f64::EPSILON * self.square);
         factors.0.tr_solve_lower_triangular_unchecked_mut(&mut shared);
         let shared = shared.column(0).into_owned();
-        Some(Reduced { tiers, ln_determinant, shared, square })
+        Some(Reduced { finest, coarser, ln_determinant, shared, square })
     }
 
     /// What neither unknowns nor processes of these sizes explain of each record's residuals.
@@ -233,7 +273,8 @@ impl Nested {
         let reduced = self.reduced(sizes)?;
         let of = |(i, columns): (usize, &DMatrix<f64>)| {
             let mut values = reduced.shared.clone();
-            for (groups, eliminated) in self.tiers.iter().zip(&reduced.tiers).rev() {
+            let all: Vec<_> = std::iter::once(&reduced.finest.eliminated).chain(&reduced.coarser).collect();
+            for (groups, eliminated) in self.tiers.iter().zip(all).rev() {
                 let group = groups.iter().position(|group| group.records.contains(&i))?;
                 let Eliminated { factors, border } = &eliminated[group];
                 let mut own = border.column(values.len()) - border.columns(0, values.len()) * &values;
@@ -373,6 +414,14 @@ mod tests {
         for (i, own) in nested.unexplained(&sizes).unwrap().iter().enumerate() {
             assert!((own - left.rows(first(i), own.len())).norm() < 1e-10, "record {i}");
         }
+        // What is kept of earlier trials changes nothing.
+        let again = |sizes: &[f64]| {
+            let (known, anew) = (nested.ln_determinant_and_square(sizes), Nested::new(&records, &components));
+            assert_eq!(known, anew.ln_determinant_and_square(sizes));
+        };
+        [[0.7, 0.4, 1.3, 0.3], [0.7, 0.1, 1.3, 0.2], [0.2, 0.4, 1.3, 0.2], [0.7, 0.4, 1.3, 0.2]]
+            .iter()
+            .for_each(|sizes| again(sizes));
         let explained = (whole.try_inverse().unwrap() * gram).trace();
         assert!((nested.explained(&sizes).unwrap() / explained - 1.0).abs() < 1e-6);
         // Without processes the residuals are those that the unknowns leave.

@@ -225,12 +225,13 @@ impl Task {
         &self.held
     }
 
-    /// Indices of the unknowns that are sought: all but those held, and days only where records have days.
+    /// Indices of the unknowns that are sought: all but those held, and days only where records have days. The records' own come first: their columns of derivatives lie apart, so that
+    /// triangular factors are made of their products.
     pub(crate) fn free(&self) -> Vec<usize> {
         let all = COUNT + OWN * self.records.len();
         let is_day = |j: usize| j >= COUNT && (j - COUNT) % OWN == DAY;
         let is_free = |j: &usize| self.held.iter().all(|h| self.chart.index(*h) != Some(*j));
-        (0..all).filter(|j| is_free(j) && (self.has_days() || !is_day(*j))).collect()
+        (COUNT..all).chain(0..COUNT).filter(|j| is_free(j) && (self.has_days() || !is_day(*j))).collect()
     }
 
     /// The unknowns without the knee: along them the sum of squares is smooth.

@@ -203,7 +203,8 @@ impl Task {
                 break;
             }
             let sweep = self.sweep(&best, best.cost + self.count() as f64, FINE);
-            let found = self.polished(&sweep).into_iter().min_by(|a, b| a.cost.total_cmp(&b.cost));
+            let found =
+                self.polished(&sweep, f64::INFINITY).into_iter().min_by(|a, b| a.cost.total_cmp(&b.cost));
             match found.filter(|m| m.cost < best.cost - SETTLED) {
                 Some(deeper) => best = self.finish(&deeper)?,
                 None => break,

@@ -8,7 +8,7 @@ use iwan_machine::checkpoint::Digest;
 use nalgebra::{DMatrix, DVector};
 
 use super::kept::{End, Kept};
-use super::triangular::triangular;
+use super::triangular::rotated;
 
 /// A least-squares problem. A function of the coordinates that fills the residuals is one; its derivatives are finite differences.
 pub(crate) trait Problem {
@@ -40,11 +40,6 @@ const LITTLE_DAMPING: f64 = 1e-9;
 /// A search that began with a neighbour's derivatives ends without new ones where these foretell less than this part of the reduction at which a
 /// search ends: a third of what the search may leave anyway. A judgement.
 const FORETOLD: f64 = 0.3;
-/// Number of unknowns from which on triangular factors are made by blocks: fits of a dozen records have fifty, and factors made column by column were
-/// more than a tenth of their time. For the dozen unknowns of one record or a law they are less than a hundredth.
-const BLOCKED: usize = 24;
-/// Least sine of the angle between a column and the space of those before it with which triangular factors are made of the columns' products: nine digits of the factor are right then.
-const APART: f64 = 1e-3;
 /// Factor on the damping after a step that brought nothing: the next step is up to thirty times shorter.
 const GROWTH: f64 = 30.0;
 /// The same for coupled fits and joints of structures, whose sum of squares has a crease wherever a slider begins to slip: a step that a crease holds back is not helped by a
@@ -163,11 +158,11 @@ impl Search {
         };
         for _ in 0..self.iterations {
             // Orthogonal factors in place of normal equations: valleys here are a million times longer than wide.
-            let (matrix, rotated) = rotated(&jacobian, &DVector::from_column_slice(&r));
+            let (matrix, turned) = rotated(&jacobian, &DVector::from_column_slice(&r));
             let most = if fresh { MOST_DAMPING } else { damping * 100.0 };
             let (mut part, mut taken, mut tried) = (0.0, 0.0, false);
             while damping < most {
-                let next = self.step(&x, &matrix, &rotated, damping);
+                let next = self.step(&x, &matrix, &turned, damping);
                 // A step with more damping foretells still less. A first step that damping holds back says nothing about a step with less damping.
                 // Where the minimum itself is wanted the first step is taken whatever it brings.
                 let little = FORETOLD * self.tolerance * cost.max(self.floor);
@@ -279,19 +274,19 @@ impl Search {
         Some(jacobian)
     }
 
-    /// Where the damped step from `x` leads, for the triangular factor and the rotated residuals, and by how much the step would reduce the sum of
+    /// Where the damped step from `x` leads, for the triangular factor and the turned residuals, and by how much the step would reduce the sum of
     /// squares if residuals were linear and the step were not cut. Coordinates at a bound that the step would cross stay.
     fn step(
         &self,
         x: &[f64],
         matrix: &DMatrix<f64>,
-        rotated: &DVector<f64>,
+        turned: &DVector<f64>,
         damping: f64,
     ) -> Option<(Vec<f64>, f64)> {
         let mut moving: Vec<usize> = (0..self.free.len()).collect();
         loop {
             let matrix = matrix.select_columns(&moving);
-            let step = damped(&matrix, rotated, damping)?;
+            let step = damped(&matrix, turned, damping)?;
             let leaves = |&(k, &i): &(usize, &usize)| {
                 let (low, high) = self.bounds[self.free[i]];
                 let at = x[self.free[i]];
@@ -305,7 +300,7 @@ impl Search {
                     next[j] =
                         (x[j] - step[k].clamp(-LONGEST, LONGEST)).clamp(self.bounds[j].0, self.bounds[j].1);
                 }
-                let foretold = rotated.norm_squared() - (rotated - matrix * step).norm_squared();
+                let foretold = turned.norm_squared() - (turned - matrix * step).norm_squared();
                 return Some((next, foretold));
             };
             moving.remove(k);
@@ -317,7 +312,7 @@ impl Search {
 }
 
 /// The step s with the least |A s - r|² + damping·|D s|², where D holds the column norms of A.
-fn damped(matrix: &DMatrix<f64>, rotated: &DVector<f64>, damping: f64) -> Option<DVector<f64>> {
+fn damped(matrix: &DMatrix<f64>, turned: &DVector<f64>, damping: f64) -> Option<DVector<f64>> {
     let (rows, columns) = matrix.shape();
     let mut stacked = DMatrix::zeros(rows + columns, columns);
     stacked.view_mut((0, 0), (rows, columns)).copy_from(matrix);
@@ -328,54 +323,9 @@ fn damped(matrix: &DMatrix<f64>, rotated: &DVector<f64>, damping: f64) -> Option
         stacked[(rows + i, i)] = damping.sqrt() * norm.max(floor);
     }
     let mut right = DVector::zeros(rows + columns);
-    right.rows_mut(0, rows).copy_from(rotated);
-    let (factor, right) = self::rotated(&stacked, &right);
+    right.rows_mut(0, rows).copy_from(turned);
+    let (factor, right) = rotated(&stacked, &right);
     factor.solve_upper_triangular(&right)
-}
-
-/// The triangular factor of a matrix with no fewer rows than columns, and the part of the right side that the matrix reaches, both turned by the same
-/// reflections: the least squares of the one against the other are those of the matrix against the right side.
-fn rotated(matrix: &DMatrix<f64>, right: &DVector<f64>) -> (DMatrix<f64>, DVector<f64>) {
-    let columns = matrix.ncols();
-    if columns < BLOCKED {
-        let factors = matrix.clone().qr();
-        let mut turned = right.clone();
-        factors.q_tr_mul(&mut turned);
-        return (factors.r(), turned.rows(0, columns).into_owned());
-    }
-    if let Some(found) = by_products(matrix, right) {
-        return found;
-    }
-    let mut beside = matrix.clone().resize_horizontally(columns + 1, 0.0);
-    beside.set_column(columns, right);
-    let factor = triangular(beside);
-    (
-        factor.view((0, 0), (columns, columns)).into_owned(),
-        factor.view((0, columns), (columns, 1)).column(0).into_owned(),
-    )
-}
-
-/// The same from the products of the columns, four times as fast; none where a column lies next to the space of those before it, because products lose as many digits again as the
-/// columns have in common.
-fn by_products(matrix: &DMatrix<f64>, right: &DVector<f64>) -> Option<(DMatrix<f64>, DVector<f64>)> {
-    let across = matrix.transpose();
-    let mut products = &across * matrix;
-    let norms = products.diagonal().map(f64::sqrt);
-    if norms.min() < f64::MIN_POSITIVE {
-        return None;
-    }
-    for (mut column, norm) in products.column_iter_mut().zip(&norms) {
-        column.component_div_assign(&norms);
-        column.unscale_mut(*norm);
-    }
-    let lower = products.cholesky()?.unpack();
-    if lower.diagonal().min() < APART {
-        return None;
-    }
-    let turned = lower.solve_lower_triangular(&(across * right).component_div(&norms))?;
-    let mut factor = lower.transpose();
-    factor.column_iter_mut().zip(&norms).for_each(|(mut column, norm)| column.scale_mut(*norm));
-    Some((factor, turned))
 }
 
 /// How the coordinates of all other columns follow a change of the last one by 1, so that the residuals stay as small as they can.
@@ -432,39 +382,6 @@ mod tests {
         let search = Search { tolerance: 1e-5, ..search(2, &[0, 1], &[NONE; 2]) };
         let found = search.run(&mut valley, &[0.0, 0.0]).unwrap();
         assert!((found.x[0] - 1.0).abs() < 1e-2 && found.converged, "{:?}", found.x);
-    }
-
-    #[test]
-    fn factors_by_products_are_those_by_reflections() {
-        let mut matrix = DMatrix::from_fn(200, 30, |i, j| {
-            ((i * i + 3 * i * j + j * j * j) as f64).sin() * (j as f64 - 14.5).exp()
-        });
-        let right = DVector::from_fn(200, |i, _| (0.3 * i as f64).cos());
-        let (factor, turned) = by_products(&matrix, &right).unwrap();
-        let (exact, of_right) = {
-            let mut beside = matrix.clone().resize_horizontally(31, 0.0);
-            beside.set_column(30, &right);
-            let factor = triangular(beside);
-            (factor.view((0, 0), (30, 30)).into_owned(), factor.column(30).rows(0, 30).into_owned())
-        };
-        for j in 0..30 {
-            let sign = (exact[(j, j)] * factor[(j, j)]).signum();
-            assert!((factor.row(j) - exact.row(j) * sign).norm() < 1e-12 * exact.row(j).norm(), "{j}");
-            assert!((turned[j] - sign * of_right[j]).abs() < 1e-12 * right.norm(), "{j}");
-        }
-        // Nine digits are left where a column lies as near to others as it may.
-        let apart = matrix.column(9) / matrix.column(9).norm() * (2.0 * APART);
-        let near = matrix.column(3) / matrix.column(3).norm() + &apart;
-        matrix.set_column(9, &near);
-        let (factor, _) = by_products(&matrix, &right).unwrap();
-        let exact = triangular(matrix.clone());
-        assert!((factor[(9, 9)] / exact[(9, 9)].abs() - 1.0).abs() < 1e-9);
-        // Columns that are nearly alike, and columns without effect, are left to reflections.
-        let near = matrix.column(3) / matrix.column(3).norm() + apart * 0.1;
-        matrix.set_column(9, &near);
-        assert!(by_products(&matrix, &right).is_none());
-        matrix.fill_column(9, 0.0);
-        assert!(by_products(&matrix, &right).is_none());
     }
 
     #[test]
