@@ -161,9 +161,10 @@ mod tests {
         let apart = length(&matrix, 29) * (2.0 * APART);
         matrix.set_column(29, &(length(&matrix, 3) + &apart));
         close(&matrix, 1e-9);
-        for nearer in [0.1, 1e-3, 1e-5] {
-            matrix.set_column(28, &(length(&matrix, 4) + &apart * nearer));
-            matrix.set_column(29, &(length(&matrix, 3) + length(&matrix, 5) * nearer));
+        let other = DVector::from_fn(200, |i, _| 1e-4 * (0.7 * (i * i) as f64).cos());
+        for nearer in [1.0, 1e-1, 1e-2] {
+            matrix.set_column(28, &(length(&matrix, 4) + &apart * (0.1 * nearer)));
+            matrix.set_column(29, &(length(&matrix, 3) + &other * nearer));
             close(&matrix, 1e-9);
         }
         matrix.fill_column(27, 0.0);
