@@ -63,12 +63,19 @@ impl Ends<'_> {
         let (mut tried, mut work) = (vec![end[knee]], Workspace::default());
         let mut best: Option<Minimum> = None;
         for accepted in self.region.likeliest_at(self.task, self.scale, self.parameter, value) {
-            let mut x = charting.from(self.task, accepted).x;
-            if tried.iter().any(|k| (k - x[knee]).abs() < APART) {
+            let mut there = charting.from(self.task, accepted).x;
+            if tried.iter().any(|k| (k - there[knee]).abs() < APART) {
                 continue;
             }
-            tried.push(x[knee]);
-            x[coordinate] = end[coordinate];
+            tried.push(there[knee]);
+            let mut here = end.to_vec();
+            here[knee] = there[knee];
+            there[coordinate] = end[coordinate];
+            // All else as at the accepted point, or as at the end: far from the value that is asked for, the second is the nearer beginning.
+            let beginnings =
+                [there, here].map(|x| (charting.cost(&x, &mut work).unwrap_or(f64::INFINITY), x));
+            let [first, second] = beginnings;
+            let x = if second.0 < first.0 { second.1 } else { first.1 };
             let found = charting.minimise(&x, following(charting, coordinate, &x), TOLERANCE, &mut work);
             best = best.into_iter().chain(found).min_by(|a, b| a.cost.total_cmp(&b.cost));
             if tried.len() > TRIED {
