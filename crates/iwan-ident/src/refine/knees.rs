@@ -232,11 +232,7 @@ impl Task {
         let mut at_knee = |near: &[f64], at: f64| {
             let mut x = self.start_at_knee(near, at);
             x[KNEE] = at;
-            let scanned = self.minimise_with(&x, self.smooth(), Effort::SCAN, &mut work)?;
-            let close = scanned.cost < margin;
-            let fine =
-                close.then(|| self.minimise(&scanned.x, self.smooth(), tolerance, &mut work)).flatten();
-            Some(fine.unwrap_or(scanned))
+            self.minimise_with(&x, self.smooth(), Effort::of_sweeps(margin, tolerance), &mut work)
         };
         order(&mut knees);
         let step = knees.iter().position(|knee| away(knee) >= STEP);

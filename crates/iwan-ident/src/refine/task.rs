@@ -18,7 +18,7 @@ use super::release::{Sampling, TurningPoint};
 use super::ring_down::{Discrepancy, Refined, RingDown};
 use crate::error::{Error, check};
 use crate::parameters::{COUNT, Parameter, Parameters};
-use crate::search::{Chart, FREQUENCY, Kept, Minimum, Search};
+use crate::search::{Chart, FREQUENCY, Kept, Minimum, Search, Sooner};
 
 /// Unknowns of each record: ln of the first amplitude over its guess, phase of the release, and ln of the record's own frequency, where the first coordinate of the mode is taken,
 /// over that of its windows. The third is not the day's frequency over the mean: a record tells its own frequency, and a mean that moves with all
@@ -138,22 +138,32 @@ pub(crate) struct Effort {
     pub(crate) iterations: usize,
     /// Relative reduction of the sum of squares at which the search ends.
     pub(crate) tolerance: f64,
+    /// Where the search ends sooner.
+    pub(crate) sooner: Option<Sooner>,
     /// Whether derivatives are central whatever the tolerance.
     pub(crate) central: bool,
 }
 
 impl Effort {
     /// The effort of derivatives alone, without a step.
-    pub(crate) const NONE: Self = Self { iterations: 0, tolerance: 0.0, central: false };
+    pub(crate) const NONE: Self = Self { iterations: 0, tolerance: 0.0, sooner: None, central: false };
     /// The effort of scans, whose points each go on from a neighbour.
-    pub(super) const SCAN: Self = Self { iterations: SCAN_ITERATIONS, tolerance: SCAN, central: false };
+    pub(super) const SCAN: Self =
+        Self { iterations: SCAN_ITERATIONS, tolerance: SCAN, sooner: None, central: false };
     /// The effort of searches that are not the last.
-    pub(super) const ROUGH: Self = Self { iterations: ROUGH_ITERATIONS, tolerance: ROUGH, central: false };
+    pub(super) const ROUGH: Self =
+        Self { iterations: ROUGH_ITERATIONS, tolerance: ROUGH, sooner: None, central: false };
 
     /// A search that ends when an iteration brings less than the relative `tolerance`, with as many iterations as this needs.
     pub(crate) fn until(tolerance: f64) -> Self {
         let iterations = if tolerance > FINE { ROUGH_ITERATIONS } else { FINE_ITERATIONS };
-        Self { iterations, tolerance, central: false }
+        Self { iterations, tolerance, sooner: None, central: false }
+    }
+
+    /// The effort of sweeps: that of scans above a sum of squares, and until the relative `tolerance` below.
+    pub(super) fn of_sweeps(above: f64, tolerance: f64) -> Self {
+        let sooner = Some(Sooner { above, iterations: SCAN_ITERATIONS, tolerance: SCAN });
+        Self { sooner, ..Self::until(tolerance) }
     }
 }
 
@@ -283,11 +293,11 @@ impl Task {
 
     /// A search over the coordinates in `free`.
     pub(crate) fn search(&self, free: Vec<usize>, effort: Effort) -> Search {
-        let Effort { iterations, tolerance, central } = effort;
+        let Effort { iterations, tolerance, sooner, central } = effort;
         let floor = self.count() as f64 * self.least_variance();
         let (count, bounds) = (self.count(), self.bounds());
         let kept = self.kept.clone().map(|checkpoint| Kept { checkpoint, stopped: self.stopped.clone() });
-        Search { central, floor, kept, ..Search::new(count, free, bounds, (iterations, tolerance)) }
+        Search { sooner, central, floor, kept, ..Search::new(count, free, bounds, (iterations, tolerance)) }
     }
 
     /// Takes what sampling adds to the model's amplitudes from the ring-down at `x`: harmonics that fold back where a cycle has few samples, and the

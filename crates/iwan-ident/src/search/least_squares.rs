@@ -55,6 +55,16 @@ const MOST_UPDATES: usize = 10;
 /// it.
 const LONGEST: f64 = 1.0;
 
+/// Where a search ends sooner: from a neighbouring knee a few steps are enough to see that no better search brings a point inside a limit.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Sooner {
+    /// The sum of squares above which it does.
+    pub(crate) above: f64,
+    /// Most iterations, and the relative reduction of the sum of squares at which the search ends.
+    pub(crate) iterations: usize,
+    pub(crate) tolerance: f64,
+}
+
 /// What a search varies, and when it ends.
 #[derive(Debug, Clone)]
 pub(crate) struct Search {
@@ -68,6 +78,8 @@ pub(crate) struct Search {
     pub(crate) iterations: usize,
     /// Relative reduction of the sum of squares at which the search ends.
     pub(crate) tolerance: f64,
+    /// Where it ends sooner; none: nowhere.
+    pub(crate) sooner: Option<Sooner>,
     /// Whether derivatives are central and made anew at each step whatever the tolerance: where a valley is narrow and bent, searches with other
     /// derivatives end above its floor.
     pub(crate) central: bool,
@@ -99,7 +111,7 @@ impl Search {
         (iterations, tolerance): (usize, f64),
     ) -> Self {
         let (central, growth, floor) = (false, GROWTH, 0.0);
-        Self { count, free, bounds, iterations, tolerance, central, growth, floor, kept: None }
+        Self { count, free, bounds, iterations, tolerance, sooner: None, central, growth, floor, kept: None }
     }
 
     /// The least sum of squares from `start`; none when there are no residuals at the start, or fewer of them than unknowns.
@@ -125,6 +137,9 @@ impl Search {
             self.growth,
             self.floor,
         ]);
+        let effort = self.sooner.iter().fold(effort, |digest, sooner| {
+            digest.count(sooner.iterations).numbers(&[sooner.above, sooner.tolerance])
+        });
         effort.numbers(&bounds).numbers(start).numbers(residuals).value()
     }
 
@@ -163,7 +178,12 @@ impl Search {
         let Some(mut jacobian) = near.or_else(|| self.jacobian(residuals, &x, &r)) else {
             return Minimum { x, cost, converged: false };
         };
-        for _ in 0..self.iterations {
+        for iteration in 0..self.iterations {
+            let sooner = self.sooner.filter(|sooner| cost > sooner.above);
+            if sooner.is_some_and(|sooner| iteration >= sooner.iterations) {
+                break;
+            }
+            let tolerance = sooner.map_or(self.tolerance, |sooner| sooner.tolerance);
             // Orthogonal factors in place of normal equations: valleys here are a million times longer than wide.
             let (matrix, turned) = rotated(&jacobian, &DVector::from_column_slice(&r));
             let most = if fresh { MOST_DAMPING } else { damping * 100.0 };
@@ -172,7 +192,7 @@ impl Search {
                 let next = self.step(&x, &matrix, &turned, damping);
                 // A step with more damping foretells still less. A first step that damping holds back says nothing about a step with less damping.
                 // Where the minimum itself is wanted the first step is taken whatever it brings.
-                let little = FORETOLD * self.tolerance * cost.max(self.floor);
+                let little = FORETOLD * tolerance * cost.max(self.floor);
                 let is_idle = next.as_ref().is_some_and(|(_, foretold)| *foretold < little);
                 if is_idle && (tried || !self.is_central()) {
                     taken = if tried { 0.0 } else { damping };
@@ -192,9 +212,9 @@ impl Search {
                 }
                 damping *= self.growth;
             }
-            let slow = part < self.tolerance;
+            let slow = part < tolerance;
             // Where neither this step nor the next one brings anything by a neighbour's derivatives, these need not be made anew.
-            let little = FORETOLD * self.tolerance * cost.max(self.floor);
+            let little = FORETOLD * tolerance * cost.max(self.floor);
             if along && slow && !fresh && Self::ahead(&jacobian, &matrix, &r) < little {
                 *known = Some(jacobian);
                 return Minimum { x, cost, converged: true };
