@@ -419,9 +419,10 @@ mod tests {
             let (known, anew) = (nested.ln_determinant_and_square(sizes), Nested::new(&records, &components));
             assert_eq!(known, anew.ln_determinant_and_square(sizes));
         };
-        [[0.7, 0.4, 1.3, 0.3], [0.7, 0.1, 1.3, 0.2], [0.2, 0.4, 1.3, 0.2], [0.7, 0.4, 1.3, 0.2]]
-            .iter()
-            .for_each(|sizes| again(sizes));
+        for sizes in [[0.7, 0.4, 1.3, 0.3], [0.7, 0.1, 1.3, 0.2], [0.2, 0.4, 1.3, 0.2], [0.7, 0.4, 1.3, 0.2]]
+        {
+            again(&sizes);
+        }
         let explained = (whole.try_inverse().unwrap() * gram).trace();
         assert!((nested.explained(&sizes).unwrap() / explained - 1.0).abs() < 1e-6);
         // Without processes the residuals are those that the unknowns leave.

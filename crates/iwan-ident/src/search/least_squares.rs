@@ -413,6 +413,22 @@ mod tests {
     }
 
     #[test]
+    fn a_search_ends_sooner_where_the_sum_of_squares_stays_high() {
+        let start = [-1.2, 1.0];
+        let ending = |above: f64| {
+            let sooner = Some(Sooner { above, iterations: 3, tolerance: 0.03 });
+            Search { sooner, ..search(2, &[0, 1], &[NONE; 2]) }.run(&mut rosenbrock, &start).unwrap()
+        };
+        let three = Search { iterations: 3, ..search(2, &[0, 1], &[NONE; 2]) };
+        let three = three.run(&mut rosenbrock, &start).unwrap();
+        assert!(three.cost > 0.1 && !three.converged);
+        let high = ending(1e-9 * three.cost);
+        assert!((high.x, high.cost, high.converged) == (three.x, three.cost, false));
+        let low = ending(2.0 * three.cost);
+        assert!((low.x[0] - 1.0).abs() < 1e-6 && low.converged);
+    }
+
+    #[test]
     fn others_follow_along_the_valley() {
         // r = (x0 - 3 x1, 0): x0 goes three times as far as x1.
         let jacobian = DMatrix::from_row_slice(2, 2, &[1.0, -3.0, 0.0, 0.0]);
