@@ -184,24 +184,19 @@ mod tests {
 
     use super::*;
 
+    const MODE: Parameters =
+        Parameters { frequency: 124.0, damping_ratio: 1e-3, k_t: 4.45e4, f_s: 239.4, chi: -0.183, beta: 0.3 };
+
     #[test]
     fn coordinates_and_back() {
-        let mode = Parameters {
-            frequency: 124.0,
-            damping_ratio: 1e-3,
-            k_t: 4.45e4,
-            f_s: 239.4,
-            chi: -0.183,
-            beta: 0.3,
-        };
         let frequency = [Parameter::Frequency];
         for held in [&[][..], &[Parameter::KT], &[Parameter::FS], &[Parameter::KT, Parameter::FS], &frequency]
         {
             for amplitude in [2e-4, 2e-3, 2e-2] {
                 let chart = Chart::holding(held, amplitude);
-                let back = chart.parameters(&chart.coordinates(&mode).unwrap());
+                let back = chart.parameters(&chart.coordinates(&MODE).unwrap());
                 for p in Parameter::ALL {
-                    assert!((back.get(p) / mode.get(p) - 1.0).abs() < 1e-12, "{held:?} {}", p.name());
+                    assert!((back.get(p) / MODE.get(p) - 1.0).abs() < 1e-12, "{held:?} {}", p.name());
                 }
             }
         }
@@ -209,23 +204,15 @@ mod tests {
 
     #[test]
     fn the_frequency_is_that_of_the_secant() {
-        let mode = Parameters {
-            frequency: 124.0,
-            damping_ratio: 1e-3,
-            k_t: 4.45e4,
-            f_s: 239.4,
-            chi: -0.183,
-            beta: 0.3,
-        };
-        let (_, joint) = mode.model().unwrap();
+        let (_, joint) = MODE.model().unwrap();
         for over_knee in [1e-3, 0.1, 0.999, 1.001, 5.0] {
             let amplitude = over_knee * joint.phi_max();
-            let x = Chart::holding(&[], amplitude).coordinates(&mode).unwrap();
+            let x = Chart::holding(&[], amplitude).coordinates(&MODE).unwrap();
             let secant = joint.force(amplitude) / amplitude;
-            let omega_squared = (TAU * mode.frequency).powi(2) - mode.k_t + secant;
+            let omega_squared = (TAU * MODE.frequency).powi(2) - MODE.k_t + secant;
             assert!((x[FREQUENCY] - (omega_squared.sqrt() / TAU).ln()).abs() < 1e-13, "{over_knee}");
-            let at_rest = Chart::holding(&[Parameter::Frequency], amplitude).coordinates(&mode).unwrap();
-            assert!((at_rest[FREQUENCY] - mode.frequency.ln()).abs() < 1e-14);
+            let at_rest = Chart::holding(&[Parameter::Frequency], amplitude).coordinates(&MODE).unwrap();
+            assert!((at_rest[FREQUENCY] - MODE.frequency.ln()).abs() < 1e-14);
         }
     }
 
