@@ -117,18 +117,18 @@ impl Region {
         Some(&farthest.minimum)
     }
 
-    /// The accepted points, ordered by the deviance that they have in the linearised model where a parameter has the given value, the least first.
+    /// The accepted points with the deviances that they have in the linearised model where a parameter has the given value, the least first.
     pub(crate) fn likeliest_at<G: Charted>(
         &self,
         ground: &G,
         scale: &Scale,
         parameter: Parameter,
         value: f64,
-    ) -> Vec<&Minimum> {
+    ) -> Vec<(f64, &Accepted)> {
         let against = |p: &Accepted| p.deviance_at(ground, scale, parameter, value);
-        let mut points: Vec<(f64, &Minimum)> = self.points.iter().map(|p| (against(p), &p.minimum)).collect();
+        let mut points: Vec<(f64, &Accepted)> = self.points.iter().map(|p| (against(p), p)).collect();
         points.sort_by(|a, b| a.0.total_cmp(&b.0));
-        points.into_iter().map(|(_, minimum)| minimum).collect()
+        points
     }
 
     /// The end of an interval where a walk ends at `value`, moved outwards so that no accepted point lies outside.
@@ -191,6 +191,27 @@ impl Accepted {
     /// Standard deviation of a parameter, on the scale of `scaled`, in the linearised model.
     fn deviation<G: Charted>(&self, ground: &G, scale: &Scale, parameter: Parameter) -> f64 {
         let Some(spread) = &self.spread else { return 0.0 };
+        spread.tr_mul(&self.slopes(ground, parameter)).norm() * scale.variance.sqrt()
+    }
+
+    /// The coordinates at which the linearised model has the least sum of squares where a parameter has the given value; those of the point itself where the parameter hangs on none of them.
+    pub(super) fn towards<G: Charted>(&self, ground: &G, parameter: Parameter, value: f64) -> Vec<f64> {
+        let mut x = self.minimum.x.clone();
+        let away = scaled(parameter, value) - scaled(parameter, self.value(ground, parameter));
+        let Some(spread) = &self.spread else { return x };
+        let told = spread.tr_mul(&self.slopes(ground, parameter));
+        let square = told.norm_squared();
+        if square > 0.0 {
+            let (step, bounds) = (spread * told * (away / square), ground.bounds());
+            for (j, step) in self.smooth.iter().zip(&step) {
+                x[*j] = (x[*j] + step).clamp(bounds[*j].0, bounds[*j].1);
+            }
+        }
+        x
+    }
+
+    /// Derivatives of a parameter, on the scale of `scaled`, with respect to the smooth coordinates.
+    fn slopes<G: Charted>(&self, ground: &G, parameter: Parameter) -> DVector<f64> {
         let slope = |j: &usize| {
             if *j >= COUNT {
                 return 0.0;
@@ -202,8 +223,7 @@ impl Accepted {
             };
             (at(STEP) - at(-STEP)) / (2.0 * STEP)
         };
-        let slopes = DVector::from_iterator(self.smooth.len(), self.smooth.iter().map(slope));
-        (spread.transpose() * slopes).norm() * scale.variance.sqrt()
+        DVector::from_iterator(self.smooth.len(), self.smooth.iter().map(slope))
     }
 
     fn value<G: Charted>(&self, ground: &G, parameter: Parameter) -> f64 {
