@@ -61,10 +61,15 @@ impl Problem for OfRecords<'_> {
                 moved[j] = x[j];
                 known.then_some(())
             };
-            let [from, to] = Search::apart(x[j], bounds[j], self.central);
-            at(to, &mut above)?;
-            if from != x[j] {
-                at(from, &mut below)?;
+            let [mut from, mut to] = Search::apart(x[j], bounds[j], self.central);
+            if at(to, &mut above).is_none() {
+                // Next to the edge of what a model can be there is one on the other side only.
+                above.clone_from(&base);
+                [from, to] = Search::apart(x[j], (bounds[j].0, x[j]), self.central);
+                at(to, &mut above)?;
+            } else if from != x[j] && at(from, &mut below).is_none() {
+                below.clone_from(&base);
+                from = x[j];
             }
             let mut differ = |rows: Range<usize>| {
                 for i in rows {
@@ -302,5 +307,52 @@ impl Task {
         work: &mut Workspace,
     ) -> Option<Minimum> {
         search.run(&mut self.problem(kind, search, work), x)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::curves::Quantity;
+    use crate::refine::RingDown;
+    use crate::search::SOFTENING;
+
+    #[test]
+    fn next_to_the_edge_of_what_a_model_can_be_there_are_derivatives() {
+        let (dt, frequency) = (2e-4, 124.0);
+        let decay = |n: usize| {
+            let t = n as f64 * dt;
+            (-3.0 * t).exp() * (TAU * frequency * t).cos()
+        };
+        let samples: Vec<f64> = (0..4000).map(decay).collect();
+        let record =
+            RingDown { samples: &samples, dt, quantity: Quantity::Displacement, band: None, beside: None };
+        let first =
+            Parameters { frequency, damping_ratio: 1e-3, k_t: 4.45e5, f_s: 1e6, chi: -0.2, beta: 0.3 };
+        let task = Task::new(&[record], &first, &[]).unwrap();
+        let mut x = task.coordinates(&first).unwrap();
+        let work = &mut Workspace::default();
+        let below = |x: &[f64], part: f64| {
+            let mut x = x.to_vec();
+            x[SOFTENING] += task.chart.stiffness_up_to(&x, part).ln();
+            x
+        };
+        // A step of the differences away there is no residual stiffness any more.
+        x = below(&x, 0.999 - 1e-6);
+        assert!(task.cost(&x, work).is_some() && task.cost(&below(&x, 0.999 + 1e-6), work).is_none());
+        let central = Search { central: true, ..task.search(task.free(), Effort::ROUGH) };
+        for search in [task.search(task.free(), Effort::ROUGH), central] {
+            let slopes = task.problem(Kind::Whitened, &search, work).derivatives(&x, &search.free).unwrap();
+            let away = 1e-3;
+            let mut inside = x.clone();
+            inside[SOFTENING] -= away;
+            let mut r = [(); 2].map(|()| vec![0.0; task.count()]);
+            assert!(task.residuals(&x, &mut r[0], work) && task.residuals(&inside, &mut r[1], work));
+            let place = search.free.iter().position(|j| *j == SOFTENING).unwrap();
+            let secant = r[0].iter().zip(&r[1]).map(|(a, b)| (a - b) / away);
+            let column = slopes.column(place);
+            let off = secant.zip(&column).map(|(s, c)| (s - c).powi(2)).sum::<f64>().sqrt();
+            assert!(off < 0.05 * column.norm(), "{off} {}", column.norm());
+        }
     }
 }
