@@ -5,6 +5,8 @@
 
 use std::fmt::Write;
 
+use iwan_machine::threads::{at_once, in_parallel};
+
 use super::functions::UffFunction;
 use super::model::BEAMS;
 pub use super::nodal::{ModalScale, NodalMode, NodalValues, Node};
@@ -134,46 +136,50 @@ pub fn modes(modes: &[NodalMode]) -> String {
 /// Functions as datasets 58 in double precision, over an even abscissa.
 #[must_use]
 pub fn functions(functions: &[UffFunction]) -> String {
+    // Most of the time goes into the digits of tens of thousands of values a function.
+    in_parallel(functions, at_once(), &function).concat()
+}
+
+/// A function as a dataset 58.
+fn function(f: &UffFunction) -> String {
     let mut text = String::new();
-    for f in functions {
-        let complex = !f.im.is_empty();
-        let time = f.kind == 1;
-        let _ = write!(text, "{MARK}    58\n{}\nNONE\nNONE\nNONE\nNONE\n", f.name);
-        let (a, b) = (f.response, f.reference);
-        let _ = writeln!(
-            text,
-            "{:>5}{:>10}{:>5}{:>10} {:<10}{:>10}{:>4} {:<10}{:>10}{:>4}",
-            f.kind, 0, 1, 0, "NONE", a.node, a.direction, "NONE", b.node, b.direction
-        );
-        let _ = writeln!(
-            text,
-            "{:>10}{:>10}{:>10}{}{}{}",
-            if complex { 6 } else { 4 },
-            f.re.len(),
-            1,
-            real(f.start, 13, 5),
-            real(f.step, 13, 5),
-            real(0.0, 13, 5)
-        );
-        let axis = |kind: i32, label: &str, unit: &str| {
-            format!("{kind:>10}{:>5}{:>5}{:>5} {label:<20} {unit:<20}\n", 0, 0, 0)
-        };
-        text += &if time { axis(17, "Time", "s") } else { axis(18, "Frequency", "Hz") };
-        text += &axis(code(f.quantity), "NONE", if f.unit.is_empty() { "NONE" } else { &f.unit });
-        text += &if time { axis(0, "NONE", "NONE") } else { axis(13, "NONE", "NONE") };
-        text += &axis(0, "NONE", "NONE");
-        let values: Vec<f64> =
-            if complex { f.re.iter().zip(&f.im).flat_map(|(a, b)| [*a, *b]).collect() } else { f.re.clone() };
-        // Twenty characters for each value, and a line end for each four values.
-        text.reserve(21 * values.len() + 100);
-        for line in values.chunks(4) {
-            for x in line {
-                add_real(&mut text, *x, 20, 12);
-            }
-            text.push('\n');
+    let complex = !f.im.is_empty();
+    let time = f.kind == 1;
+    let _ = write!(text, "{MARK}    58\n{}\nNONE\nNONE\nNONE\nNONE\n", f.name);
+    let (a, b) = (f.response, f.reference);
+    let _ = writeln!(
+        text,
+        "{:>5}{:>10}{:>5}{:>10} {:<10}{:>10}{:>4} {:<10}{:>10}{:>4}",
+        f.kind, 0, 1, 0, "NONE", a.node, a.direction, "NONE", b.node, b.direction
+    );
+    let _ = writeln!(
+        text,
+        "{:>10}{:>10}{:>10}{}{}{}",
+        if complex { 6 } else { 4 },
+        f.re.len(),
+        1,
+        real(f.start, 13, 5),
+        real(f.step, 13, 5),
+        real(0.0, 13, 5)
+    );
+    let axis = |kind: i32, label: &str, unit: &str| {
+        format!("{kind:>10}{:>5}{:>5}{:>5} {label:<20} {unit:<20}\n", 0, 0, 0)
+    };
+    text += &if time { axis(17, "Time", "s") } else { axis(18, "Frequency", "Hz") };
+    text += &axis(code(f.quantity), "NONE", if f.unit.is_empty() { "NONE" } else { &f.unit });
+    text += &if time { axis(0, "NONE", "NONE") } else { axis(13, "NONE", "NONE") };
+    text += &axis(0, "NONE", "NONE");
+    let values: Vec<f64> =
+        if complex { f.re.iter().zip(&f.im).flat_map(|(a, b)| [*a, *b]).collect() } else { f.re.clone() };
+    // Twenty characters for each value, and a line end for each four values.
+    text.reserve(21 * values.len() + 100);
+    for line in values.chunks(4) {
+        for x in line {
+            add_real(&mut text, *x, 20, 12);
         }
-        text += MARK;
+        text.push('\n');
     }
+    text += MARK;
     text
 }
 
