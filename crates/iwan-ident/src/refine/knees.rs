@@ -216,7 +216,7 @@ impl Task {
         [vec![best.clone()], above, below].concat()
     }
 
-    /// One side of a sweep: at the first of these knees, and at the second ones, which lie close to `best`, unless a point a step away is accepted and the valley is therefore wider than a step.
+    /// One side of a sweep over `knees` a step apart. Those `close` to `best` are taken as well, unless the knee a step away lies below the limit: the valley is then wider than a step.
     /// With `ends_early` the sweep ends after `PATIENCE` knees in a row above the margin.
     fn outwards(
         &self,

@@ -142,7 +142,8 @@ impl Chart {
         Parameters { frequency: frequency * (1.0 + more).sqrt(), ..p }
     }
 
-    /// By how much the secant of the virgin curve lies below K_T where the frequency is taken: K_T less F(u)/u by D. J. Segalman (J. Appl. Mech. 72:752, 2005), Eqs. 25 to 27.
+    /// By how much the secant of the virgin curve lies below K_T where the frequency is taken: K_T less F(u)/u, with the virgin curve F that follows
+    /// from the density (D. J. Segalman, J. Appl. Mech. 72:752, 2005, doi:10.1115/1.1989354). A test holds it beside `FourParameter::force`.
     fn stiffness_lost(&self, p: &Parameters) -> f64 {
         if self.at_rest {
             return 0.0;

@@ -31,7 +31,7 @@ pub(super) fn rotated(matrix: &DMatrix<f64>, right: &DVector<f64>) -> (DMatrix<f
     )
 }
 
-/// The triangular factor from the products of the columns, several times as fast as by reflections. From the first column on that lies next to the space of those before it, what lies
+/// The triangular factor from the products of the columns, which are made faster than reflections. From the first column on that lies next to the space of those before it, what lies
 /// outside of that space is taken by reflections: products lose as many digits again as columns have in common. None where these are most of the columns.
 fn by_products(matrix: &DMatrix<f64>) -> Option<DMatrix<f64>> {
     let ((rows, columns), across) = (matrix.shape(), matrix.transpose());
