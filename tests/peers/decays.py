@@ -41,7 +41,9 @@ def zeroed():
         measured = np.fft.rfft(x[begin:]) * DT
         extrapolated = np.fft.rfft(model(fit.x, t[begin:] - t[start])) * DT
         half = max(width, 3 * step)
-        lines = np.arange(int(np.ceil((fit.x[1] / (2 * np.pi) - half) / step)), int((fit.x[1] / (2 * np.pi) + half) / step) + 1)
+        # A line at the very end of the range counts, whatever rounding says.
+        centre, beyond = fit.x[1] / (2 * np.pi), 1e-6
+        lines = np.arange(int(np.ceil((centre - half) / step - beyond)), int((centre + half) / step + beyond) + 1)
         off = np.linalg.norm((measured - extrapolated)[lines]) / np.linalg.norm(measured[lines])
         print(f"zeroed until {t[begin]:.6f} s: largest line {np.abs(measured).max():.9e}, distance {off:.6e}")
 

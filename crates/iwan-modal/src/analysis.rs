@@ -7,7 +7,7 @@ use crate::fit::{Band, Fitted, pruned};
 use crate::measure::{Channel, Freedom};
 use crate::modes::{Drive, Mode, Scale, modes};
 use crate::number::{Complex, complex};
-use crate::poles::{Isolation, Stabilisation, chart, isolation, subspace};
+use crate::poles::{Isolation, Stabilisation, chart, isolation, isolation_alone, subspace};
 use crate::responses::FrequencyResponses;
 
 /// Without a band, lines count up to where the spectrum of the hammer's force falls below this fraction of its largest value: 30 dB, below which common hammers leave
@@ -181,19 +181,21 @@ pub fn modal_fit(
             let chart = chart(&band, order)?;
             let start: Vec<Complex> = chart.candidates.iter().map(|c| c.pole).collect();
             stabilisation = Some(chart);
-            let first = pruned(&band, &start)?;
-            let more = isolation(&band, first.poles.clone(), MORE)?;
-            let found = if more.steps.is_empty() { first } else { pruned(&band, &more.poles)? };
+            let (first, linear) = pruned(&band, &start)?;
+            let rest = linear.rest(&band);
+            let (poles, first) = (first.poles.clone(), first.drawn(&band, &rest));
+            let more = isolation(&band, poles, (linear, rest), MORE);
+            let found = if more.steps.is_empty() { first } else { needed(&band, &more.poles)? };
             steps = Some(more);
             found
         }
         Analysis::Isolation => {
-            let alone = isolation(&band, Vec::new(), MOST)?;
-            let found = pruned(&band, &alone.poles)?;
+            let alone = isolation_alone(&band, MOST)?;
+            let found = needed(&band, &alone.poles)?;
             steps = Some(alone);
             found
         }
-        Analysis::From(poles) => pruned(&band, poles)?,
+        Analysis::From(poles) => needed(&band, poles)?,
         Analysis::Given(frequencies) => Fitted::new(&band, &given(&band, frequencies)?)?,
     };
     Ok(ModalFit { stabilisation, isolation: steps, ..ModalFit::of(&band, fitted)? })
@@ -227,6 +229,12 @@ pub fn modal_fit_by_subspaces(
     let poles = chart.candidates.iter().map(|c| c.pole).collect();
     let fit = modal_fit(responses, Some(edges), &Analysis::From(poles), order)?;
     Ok(ModalFit { stabilisation: Some(chart), ..fit })
+}
+
+/// The fit of those poles that the responses need, with its curves.
+fn needed(band: &Band, start: &[Complex]) -> Result<Fitted, Error> {
+    let (fitted, linear) = pruned(band, start)?;
+    Ok(fitted.drawn(band, &linear.rest(band)))
 }
 
 /// The band (Hz) from ten cycles in a record up to where the force has fallen.

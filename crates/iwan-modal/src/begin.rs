@@ -4,11 +4,14 @@
 //! square of which is the exponential's factor. Right after the blow a mode has the amplitude that the force's impulse gives it, whether it is linear or not; under a fast
 //! exponential window little else counts.
 
+use std::borrow::Borrow;
+
 use crate::analysis::ModalFit;
 use crate::error::Error;
 use crate::fit::{Band, Fitted};
+use crate::measure::{Hit, Motion};
 use crate::modes::{Scale, modes};
-use crate::responses::FrequencyResponses;
+use crate::responses::{Estimator, Windows, early_responses};
 
 /// Decay of the exponential window for the start of a record, in units of one over its length: of a ring-down in 200 cycles the first ten count. Half and twice
 /// this value move the scale of the paper's beam by 0.1 %.
@@ -18,32 +21,34 @@ const SIGNIFICANT: f64 = 4.0;
 /// It must also differ by more than this fraction. Less is not worth the larger noise of the start alone.
 const NOT_LINEAR: f64 = 3e-3;
 
-/// Decay (1/s) of the exponential window under which mainly the start of the records of `responses` counts.
-///
-/// ```
-/// use iwan_modal::measure::{Channel, Freedom, Motion};
-/// let tip = Channel { name: "tip".into(), freedom: Freedom::point("tip"), samples: (0..100).map(f64::from).collect() };
-/// // Of a second.
-/// let responses = iwan_modal::responses::free_responses(&[vec![tip]], 0.01, Motion::Acceleration)?;
-/// assert_eq!(iwan_modal::early_decay(&responses), 30.0);
-/// # Ok::<(), iwan_modal::Error>(())
-/// ```
-#[must_use]
-pub fn early_decay(responses: &FrequencyResponses) -> f64 {
-    EARLY * responses.step
-}
+/// Fraction of a record, after the last pulse of its force, that is transformed under the window: what comes later is below e^-7.5 = 6e-4 of its size there, or 3e-7 of its
+/// energy. The end of the shorter record is in the model as any other.
+const KEPT: f64 = 0.25;
+/// Least number of lines of the whole record in the band for the shorter record to be enough; with fewer the whole record is transformed.
+const ENOUGH: usize = 128;
 
 impl ModalFit {
-    /// The fit with shapes scaled by `early`, the responses of the same hits under an exponential window of [`early_decay`]. A shape is rescaled only where that scale differs
-    /// by more than 0.3 % and four standard deviations; such modes have a `stretch`. Frequencies and damping stay those of the whole decay. Without a drive point, and where
-    /// the windowed responses cannot tell the modes apart, nothing changes.
+    /// The fit with shapes scaled by the start of the decays. `hits` are those of the fit's responses, which were averaged by `estimator` and without an exponential window. A
+    /// shape is rescaled only where the scale from the start differs by more than 0.3 % and four standard deviations; such modes have a `stretch`. Frequencies and damping stay
+    /// those of the whole decay. Without a drive point, and where the start cannot tell the modes apart, nothing changes.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] where `early` does not reach over the band of the fit.
-    pub fn scaled_at_begin(mut self, early: &FrequencyResponses) -> Result<Self, Error> {
+    /// As [`frequency_responses`](crate::responses::frequency_responses); [`Error::OutOfRange`] where the responses of `hits` do not reach over the band of the fit.
+    pub fn scaled_at_begin<H: Borrow<Hit>>(
+        mut self,
+        hits: &[H],
+        motion: Motion,
+        estimator: Estimator,
+        whole_force: bool,
+    ) -> Result<Self, Error> {
         let Some(drive) = self.drive.filter(|_| self.scale == Scale::DrivePoint) else { return Ok(self) };
+        let hits: Vec<&Hit> = hits.iter().map(Borrow::borrow).collect();
+        let length = hits.iter().map(|h| h.samples() as f64 * h.dt).fold(f64::INFINITY, f64::min);
+        let part = if (self.band.1 - self.band.0) * length < ENOUGH as f64 { 1.0 } else { KEPT };
+        let windows = Windows { whole_force, decay: EARLY / length };
+        let early = &early_responses(&hits, motion, estimator, windows, part * length)?;
         let band = Band::new(early, self.band)?;
-        let Ok(fitted) = Fitted::without_curves(&band, &self.fitted.poles) else { return Ok(self) };
+        let Ok(fitted) = Fitted::near(&band, &self.fitted.poles) else { return Ok(self) };
         let found = modes(early, &fitted, &|_| true).modes;
         for mode in &mut self.modes {
             let distance = |other: &&crate::modes::Mode| (other.pole - mode.pole).norm();

@@ -40,7 +40,6 @@ mod threads;
 mod zeroed;
 
 pub use analysis::{Analysis, ModalFit, modal_fit, modal_fit_by_subspaces};
-pub use begin::early_decay;
 pub use error::Error;
 pub use nalgebra::Complex;
 pub use threads::{each_of, on_threads};

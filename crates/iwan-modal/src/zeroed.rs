@@ -20,6 +20,8 @@ const LATE: f64 = 0.5;
 const WIDTHS: f64 = 4.0;
 /// Least range on either side, in lines of the spectrum.
 const LINES: f64 = 3.0;
+/// A line this fraction of a line beyond the range counts too, so that rounding does not decide about one at its very end: a mode that lies on a line has two of these.
+const AT_THE_END: f64 = 1e-6;
 /// A decay is linear from the time on from which the model, carried backwards, stays within this fraction of the mode's spectrum. A judgement: noise
 /// of 30 dB and a neighbour in the band disturb it by that much.
 const WITHIN: f64 = 0.05;
@@ -142,8 +144,8 @@ fn misfit(own: &FrequencyResponses, poles: &[Complex], amplitudes: &[Complex], p
     let record = own.record.as_ref();
     let centre = poles[p].im / TAU;
     let half = (WIDTHS * poles[p].re.abs() / TAU).max(LINES * own.step);
-    let first = ((centre - half) / own.step).ceil().max(1.0) as usize;
-    let last = (((centre + half) / own.step) as usize).min(own.lines() - 1);
+    let first = ((centre - half) / own.step - AT_THE_END).ceil().max(1.0) as usize;
+    let last = (((centre + half) / own.step + AT_THE_END) as usize).min(own.lines() - 1);
     let parts: Vec<(PoleInRecord<'_>, Complex)> = poles
         .iter()
         .zip(amplitudes)

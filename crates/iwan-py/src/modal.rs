@@ -3,11 +3,12 @@
 use iwan_machine::{Kind, listed};
 use iwan_modal::measure::{Channel, Fault, Freedom, Hit, Motion, faults};
 use iwan_modal::responses::{Estimator, FrequencyResponses, Windows, free_responses, frequency_responses};
-use iwan_modal::{Analysis, Error, ModalFit, each_of, early_decay, modal_fit, modal_fit_by_subspaces};
+use iwan_modal::{Analysis, Error, ModalFit, each_of, modal_fit, modal_fit_by_subspaces};
+use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 
-use crate::exchange::array::{Numbers, array, shaped};
+use crate::exchange::array::{Numbers, array, complex_rows};
 use crate::exchange::errors::{identification_failed, of, value};
 use crate::exchange::named::item;
 use crate::exchange::options::choose;
@@ -16,7 +17,8 @@ use crate::exchange::work;
 /// What the hits were, and how they are looked at.
 pub(crate) struct Request {
     dt: f64,
-    names: Vec<String>,
+    /// None: the channels are counted from 0.
+    names: Option<Vec<String>>,
     force_at: Option<String>,
     quantity: String,
     estimator: String,
@@ -107,7 +109,7 @@ pub(crate) fn _modal_fit<'py>(
             )?
         }
     };
-    let channels = channels(responses, &request.names)?;
+    let channels = channels(responses, request.names.as_deref())?;
     let measured = match forces {
         Some(forces) => Measured::Hits(hits(forces, channels, &request)?),
         None => Measured::Decays(channels),
@@ -139,8 +141,7 @@ pub(crate) fn _modal_fit<'py>(
         };
         let fit = match &measured {
             Measured::Hits(hits) if decay == 0.0 => {
-                let windows = Windows { decay: early_decay(&responses), whole_force };
-                fit.scaled_at_begin(&frequency_responses(hits, motion, estimator, windows)?)?
+                fit.scaled_at_begin(hits, motion, estimator, whole_force)?
             }
             _ => fit,
         };
@@ -179,14 +180,25 @@ fn told_error(error: &Error) -> PyErr {
     of(error.kind(), exception)
 }
 
-/// Channels of each hit from an array of hits x channels x samples.
-fn channels(responses: &Bound<'_, PyAny>, names: &[String]) -> PyResult<Vec<Vec<Channel>>> {
-    let numbers = Numbers::finite("responses", responses)?;
-    let [hits, channels, samples] = numbers.shape[..] else {
-        return Err(value(format!(
-            "responses has the shape {:?}: it must be (hits, channels, samples)",
-            numbers.shape
-        )));
+/// Channels of each hit from an array of hits x channels x samples, or of one hit from channels x samples.
+fn channels(responses: &Bound<'_, PyAny>, names: Option<&[String]>) -> PyResult<Vec<Vec<Channel>>> {
+    let (rows, shape) = Numbers::rows("responses", responses)?;
+    let (hits, channels) = match shape[..] {
+        [channels, _] => (1, channels),
+        [hits, channels, _] => (hits, channels),
+        _ => {
+            let dimensions = shape.len();
+            return Err(value(format!(
+                "responses has {dimensions} dimensions: give (hits, channels, samples)"
+            )));
+        }
+    };
+    let counted: Vec<String>;
+    let names = if let Some(names) = names {
+        names
+    } else {
+        counted = (0..channels).map(|n| n.to_string()).collect();
+        &counted
     };
     if names.len() != channels {
         return Err(value(format!(
@@ -199,18 +211,21 @@ fn channels(responses: &Bound<'_, PyAny>, names: &[String]) -> PyResult<Vec<Vec<
             .ok_or_else(|| value(format!("names: \"{name}\" is no POINT or POINT:DIRECTION such as 12:+z")))
     };
     let freedoms: Vec<Freedom> = names.iter().map(freedom).collect::<PyResult<_>>()?;
-    let one = |h: usize, c: usize| {
-        let from = (h * channels + c) * samples;
-        let samples = numbers.values[from..from + samples].to_vec();
+    let mut rows = rows.into_iter();
+    let mut one = |c: usize| {
+        let samples = rows.next().unwrap_or_default();
         Channel { name: names[c].clone(), freedom: freedoms[c].clone(), samples }
     };
-    Ok((0..hits).map(|h| (0..channels).map(|c| one(h, c)).collect()).collect())
+    Ok((0..hits).map(|_| (0..channels).map(&mut one).collect()).collect())
 }
 
 fn hits(forces: &Bound<'_, PyAny>, channels: Vec<Vec<Channel>>, request: &Request) -> PyResult<Vec<Hit>> {
-    let numbers = Numbers::finite("force", forces)?;
-    let [count, samples] = numbers.shape[..] else {
-        return Err(value(format!("force has the shape {:?}: it must be (hits, samples)", numbers.shape)));
+    let (rows, shape) = Numbers::rows("force", forces)?;
+    let (count, samples) = match shape[..] {
+        [] => (1, 1),
+        [samples] => (1, samples),
+        [count, samples] => (count, samples),
+        _ => return Err(value(format!("force has the shape {shape:?}: it must be (hits, samples)"))),
     };
     let own = channels.first().and_then(|c| c.first()).map_or(0, |c| c.samples.len());
     if count != channels.len() || samples != own {
@@ -222,24 +237,20 @@ fn hits(forces: &Bound<'_, PyAny>, channels: Vec<Vec<Channel>>, request: &Reques
     let at = request.force_at.clone().unwrap_or_else(|| "force".into());
     let freedom = Freedom::parse(&at)
         .ok_or_else(|| value(format!("force_at = \"{at}\" is no POINT or POINT:DIRECTION")))?;
-    let is_there = |name: &String| Freedom::parse(name).is_some_and(|own| own.is_at(&freedom));
-    if request.force_at.is_some() && !request.names.iter().any(is_there) {
-        let names = listed(&request.names);
+    let own = channels.first().map_or(&[][..], |c| c);
+    if request.force_at.is_some() && !own.iter().any(|c| c.freedom.is_at(&freedom)) {
+        let names = listed(own.iter().map(|c| &c.name));
         return Err(value(format!(
             "force_at = \"{at}\" is no channel: the names are {names}; leave it out where nothing was measured there"
         )));
     }
-    let hit = |(h, responses): (usize, Vec<Channel>)| Hit {
+    let hit = |((h, responses), samples): ((usize, Vec<Channel>), Vec<f64>)| Hit {
         name: format!("hit {h} (counted from 0)"),
         dt: request.dt,
-        force: Channel {
-            name: "force".into(),
-            freedom: freedom.clone(),
-            samples: numbers.values[h * samples..(h + 1) * samples].to_vec(),
-        },
+        force: Channel { name: "force".into(), freedom: freedom.clone(), samples },
         responses,
     };
-    Ok(channels.into_iter().enumerate().map(hit).collect())
+    Ok(channels.into_iter().enumerate().zip(rows).map(hit).collect())
 }
 
 fn told<'py>(
@@ -258,23 +269,14 @@ fn told<'py>(
         mode.set_item("damping_ratio_sd", m.damping_ratio_sd)?;
         mode.set_item("shape", array(py, m.real_shape.clone()))?;
         mode.set_item("shape_sd", array(py, m.shape_sd.clone()))?;
-        mode.set_item(
-            "complex_shape",
-            (
-                array(py, m.shape.iter().map(|x| x.re).collect()),
-                array(py, m.shape.iter().map(|x| x.im).collect()),
-            ),
-        )?;
+        mode.set_item("complex_shape", PyArray1::from_slice(py, &m.shape))?;
         mode.set_item("phase_collinearity", m.phase_collinearity)?;
         modes.append(mode)?;
     }
     let first = fit.fitted.first;
     let lines = fit.fitted.curves.first().map_or(0, Vec::len);
-    let table = |of: &dyn Fn(usize) -> Vec<f64>| {
-        let values = (0..fit.fitted.curves.len()).flat_map(of).collect();
-        shaped(py, vec![fit.fitted.curves.len(), lines], values)
-    };
-    let measured = |k: usize| &responses.functions[k].values[first..first + lines];
+    let measured: Vec<_> = responses.functions.iter().map(|f| &f.values[first..first + lines]).collect();
+    let fitted: Vec<_> = fit.fitted.curves.iter().map(Vec::as_slice).collect();
     let dict = PyDict::new(py);
     dict.set_item("modes", modes)?;
     dict.set_item("names", fit.names.clone())?;
@@ -282,20 +284,8 @@ fn told<'py>(
     dict.set_item("band", fit.band)?;
     dict.set_item("misfit", fit.fitted.misfit)?;
     dict.set_item("frequency", array(py, (first..first + lines).map(|k| responses.frequency(k)).collect()))?;
-    dict.set_item(
-        "responses",
-        (
-            table(&|k| measured(k).iter().map(|v| v.re).collect())?,
-            table(&|k| measured(k).iter().map(|v| v.im).collect())?,
-        ),
-    )?;
-    dict.set_item(
-        "fitted",
-        (
-            table(&|k| fit.fitted.curves[k].iter().map(|v| v.re).collect())?,
-            table(&|k| fit.fitted.curves[k].iter().map(|v| v.im).collect())?,
-        ),
-    )?;
+    dict.set_item("responses", complex_rows(py, &measured)?)?;
+    dict.set_item("fitted", complex_rows(py, &fitted)?)?;
     let doubts = [fit.drive_point_doubt(), fit.sideband_doubt(), fit.parts_doubt(), fit.moved_doubt(given)]
         .into_iter()
         .flatten();

@@ -5,7 +5,7 @@ use iwan_modal::modes::mac;
 use iwan_modal::responses::{
     Estimator, FiniteRecord, FrequencyResponses, Function, Windows, free_responses, frequency_responses,
 };
-use iwan_modal::{Analysis, ModalFit, each_of, early_decay, modal_fit, modal_fit_by_subspaces, on_threads};
+use iwan_modal::{Analysis, ModalFit, each_of, modal_fit, modal_fit_by_subspaces, on_threads};
 
 use super::args::{EstimatorChoice, ModalArgs, WayChoice};
 use super::file_of_test::nodal;
@@ -63,9 +63,8 @@ fn levels_of(test: &Test, args: &ModalArgs) -> Result<Vec<Level>, Failure> {
         let reported = n + 1 == args.level.get();
         let mut level = fitted(responses, args, reported).map_err(|failure| shortened(failure, &hits))?;
         if args.exponential.is_none() {
-            let decay = early_decay(&level.responses);
-            let early = frequency_responses(&hits, test.motion, estimator, Windows { decay, ..windows });
-            level.fit = early.and_then(|early| level.fit.scaled_at_begin(&early)).map_err(|e| failed(&e))?;
+            let scaled = level.fit.scaled_at_begin(&hits, test.motion, estimator, args.whole_force);
+            level.fit = scaled.map_err(|e| failed(&e))?;
         }
         level.force = members.iter().map(|i| peaks[*i]).sum::<f64>() / members.len() as f64;
         level.hits = hits.iter().map(|h| h.name.clone()).collect();

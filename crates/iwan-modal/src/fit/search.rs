@@ -10,18 +10,18 @@ use crate::number::{Complex, complex};
 
 /// Largest number of steps: from start values within a half-power bandwidth five to ten are enough.
 const STEPS: usize = 40;
-/// The search ends where no pole moves by more than this fraction of its decay: a thousandth of what records usually tell.
+/// The search ends where no pole has more than this fraction of its decay left to move: a thousandth of what records usually tell.
 const STILL: f64 = 1e-7;
 /// Largest number of trials for a step, each with ten times the damping of Levenberg and Marquardt of the one before, and so shorter.
 const TRIALS: usize = 12;
 /// A step counts as no worse while the remaining sum of squares grows by no more than this fraction, which is rounding.
 const NO_HIGHER: f64 = 1e-10;
-/// The first search, whose remainder sets the weights of the responses for the second, ends where no pole moves by more than this fraction of its decay: the weights are then
+/// The first search, whose remainder sets the weights of the responses for the second, ends where no pole has more than this fraction of its decay left to move: the weights are then
 /// right to some 1e-7, and the second search goes on from there.
 const FOR_WEIGHTS: f64 = 1e-4;
 /// Largest number of steps of a search that only asks whether a mode is there.
 const FEW: usize = 6;
-/// Such a search ends where no pole moves by more than this fraction of its decay.
+/// Such a search ends where no pole has more than this fraction of its decay left to move, and so does one that asks for shapes to a thousandth.
 const NEARLY_STILL: f64 = 1e-2;
 
 /// Poles fitted to all responses of a band.
@@ -60,36 +60,38 @@ pub fn fit(
 
 impl Fitted {
     pub(crate) fn new(band: &Band, start: &[Complex]) -> Result<Self, Error> {
-        Ok(Self::with_products(band, start)?.0)
+        let (fitted, linear) = Self::with_products(band, start)?;
+        Ok(fitted.drawn(band, &linear.rest(band)))
     }
 
-    /// Fits poles and residues with their standard deviations only: `curves` stays empty.
-    pub(crate) fn without_curves(band: &Band, start: &[Complex]) -> Result<Self, Error> {
-        Ok(Self::searched(band, start, &[(STEPS, FOR_WEIGHTS), (STEPS, STILL)], false)?.0)
-    }
-
-    /// The fit, and the least squares that it ends with.
+    /// The fit without its curves, and the least squares that it ends with.
     pub(crate) fn with_products(band: &Band, start: &[Complex]) -> Result<(Self, Linear), Error> {
-        Self::searched(band, start, &[(STEPS, FOR_WEIGHTS), (STEPS, STILL)], true)
+        Self::searched(band, start, &[(STEPS, FOR_WEIGHTS), (STEPS, STILL)])
+    }
+
+    /// A fit to a hundredth of the poles' decays, without its curves.
+    pub(crate) fn near(band: &Band, start: &[Complex]) -> Result<Self, Error> {
+        Ok(Self::searched(band, start, &[(STEPS, NEARLY_STILL), (STEPS, NEARLY_STILL)])?.0)
     }
 
     /// A fit with few steps, near enough to tell whether a mode is there; `curves` stays empty.
     pub(crate) fn rough(band: &Band, start: &[Complex]) -> Result<(Self, Linear), Error> {
-        Self::searched(band, start, &[(FEW, NEARLY_STILL)], false)
+        Self::searched(band, start, &[(FEW, NEARLY_STILL)])
     }
 
-    fn searched(
-        band: &Band,
-        start: &[Complex],
-        rounds: &[(usize, f64)],
-        with_curves: bool,
-    ) -> Result<(Self, Linear), Error> {
+    /// The fit with its curves; `rest` is what they leave of the responses.
+    pub(crate) fn drawn(self, band: &Band, rest: &DMatrix<f64>) -> Self {
+        Self { curves: curves(band, rest), ..self }
+    }
+
+    fn searched(band: &Band, start: &[Complex], rounds: &[(usize, f64)]) -> Result<(Self, Linear), Error> {
         let mut poles = start.to_vec();
         poles.sort_by(|a, b| a.im.total_cmp(&b.im));
         let mut linear = Linear::new(band, &poles, true)?;
         let mut noise = band.noise();
+        let mut pace = 1.0;
         for (steps, still) in rounds {
-            (poles, linear) = search(band, poles, linear, &noise, (*steps, *still))?;
+            (poles, linear) = search(band, poles, linear, &noise, (*steps, *still), &mut pace)?;
             noise = left_over(band, &linear);
         }
         if !poles.is_sorted_by(|a, b| a.im <= b.im) {
@@ -100,12 +102,11 @@ impl Fitted {
         let (total, rest): (f64, f64) =
             linear.left.iter().enumerate().fold((0.0, 0.0), |(t, r), (c, l)| (t + size(c), r + l));
         let residues = |p: usize| (0..band.values.ncols()).map(|c| linear.residue(p, c)).collect();
-        let curves = if with_curves { curves(band, &linear.rest(band)) } else { Vec::new() };
         let fitted = Self {
             residues: (0..poles.len()).map(residues).collect(),
             left: linear.left.iter().enumerate().map(|(c, l)| (l / size(c)).sqrt()).collect(),
             first: band.first,
-            curves,
+            curves: Vec::new(),
             misfit: (rest / total).sqrt(),
             certainty: Certainty::new(band, &poles, &linear, &noise),
             noise,
@@ -138,13 +139,15 @@ fn cost(linear: &Linear, precision: &[f64]) -> f64 {
     linear.left.iter().zip(precision).map(|(l, p)| l * p).sum()
 }
 
-/// Moves poles, with their least squares, to a smaller weighted sum of squares.
+/// Moves poles, with their least squares, to a smaller weighted sum of squares. `pace` is the largest move of the step before, relative to a pole's decay. Near its end the search
+/// moves poles by a constant fraction of the step before; what is left is then the rest of a geometric series, and the search ends where that is small.
 fn search(
     band: &Band,
     mut poles: Vec<Complex>,
     mut linear: Linear,
     noise: &[f64],
     (steps, still): (usize, f64),
+    pace: &mut f64,
 ) -> Result<(Vec<Complex>, Linear), Error> {
     if poles.is_empty() {
         return Ok((poles, linear));
@@ -184,7 +187,9 @@ fn search(
         }
         let Some((next, found, largest)) = better else { break };
         (poles, linear) = (next, found);
-        if largest < still {
+        let ratio = largest / *pace;
+        *pace = largest;
+        if largest < still || (ratio < 1.0 && largest * ratio / (1.0 - ratio) < still) {
             break;
         }
     }

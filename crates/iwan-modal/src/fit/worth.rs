@@ -63,12 +63,12 @@ pub(crate) fn twins(poles: &[Complex], residues: &[Vec<Complex>]) -> Vec<usize> 
     weaker
 }
 
-/// Fits, and leaves out needless modes one after another, the least needed first.
-pub(crate) fn pruned(band: &Band, start: &[Complex]) -> Result<Fitted, Error> {
+/// Fits, and leaves out needless modes one after another, the least needed first. The fit has no curves yet; the least squares that it ends with come with it.
+pub(crate) fn pruned(band: &Band, start: &[Complex]) -> Result<(Fitted, Linear), Error> {
     let mut poles: Vec<Complex> = start.iter().copied().filter(|p| !is_outside(band, p)).collect();
     loop {
         let (fitted, linear) = Fitted::with_products(band, &poles)?;
-        let Some(needless) = needless(band, &fitted, &linear) else { return Ok(fitted) };
+        let Some(needless) = needless(band, &fitted, &linear) else { return Ok((fitted, linear)) };
         poles.clone_from(&fitted.poles);
         poles.remove(needless);
     }

@@ -2,6 +2,7 @@
 
 use super::freedom::Freedom;
 use crate::error::{Error, check};
+use crate::number::{median, sum};
 
 /// What the sensors measure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -63,7 +64,7 @@ impl Hit {
     /// Largest magnitude of the force's deviation from its median.
     #[must_use]
     pub fn peak_force(&self) -> f64 {
-        let zero = crate::number::median(&self.force.samples);
+        let zero = median(&self.force.samples);
         self.force.samples.iter().map(|f| (f - zero).abs()).fold(0.0, f64::max)
     }
 
@@ -73,6 +74,12 @@ impl Hit {
     /// [`Error::OutOfRange`] for the interval; [`Error::Refused`] for a hit without responses, channels of other lengths, too few
     /// samples or a channel that stands still; [`Error::NotFinite`]. Each names hit and channel.
     pub fn check(&self) -> Result<(), Error> {
+        self.check_times()?;
+        self.channels().try_for_each(|channel| self.check_samples(channel))
+    }
+
+    /// Checks interval and lengths.
+    pub(crate) fn check_times(&self) -> Result<(), Error> {
         check(
             "dt",
             self.dt,
@@ -89,28 +96,33 @@ impl Hit {
             let finding = format!("{n} samples are too few for a spectrum, at least {FEWEST} are needed");
             return Err(Error::refused(&self.name, finding, "record longer"));
         }
-        for channel in std::iter::once(&self.force).chain(&self.responses) {
-            self.check_channel(channel, n)?;
-        }
-        Ok(())
+        let Some(channel) = self.channels().find(|channel| channel.samples.len() != n) else { return Ok(()) };
+        let finding = format!("{} samples, the force has {n}", channel.samples.len());
+        Err(Error::refused(self.place(channel), finding, "record all channels together"))
     }
 
-    fn check_channel(&self, channel: &Channel, n: usize) -> Result<(), Error> {
-        let place = format!("{}, channel {}", self.name, channel.name);
+    /// The force, then the responses.
+    fn channels(&self) -> impl Iterator<Item = &Channel> {
+        std::iter::once(&self.force).chain(&self.responses)
+    }
+
+    /// Hit and channel, as messages name them.
+    fn place(&self, channel: &Channel) -> String {
+        format!("{}, channel {}", self.name, channel.name)
+    }
+
+    fn check_samples(&self, channel: &Channel) -> Result<(), Error> {
         let x = &channel.samples;
-        if x.len() != n {
-            let finding = format!("{} samples, the force has {n}", x.len());
-            return Err(Error::refused(place, finding, "record all channels together"));
-        }
-        // Whether all samples are finite is asked first, in one fast pass: nearly always they are.
-        if !x.iter().fold(true, |all, v| all & v.is_finite())
+        // Nearly always all samples are finite, and so is their sum, which takes one fast pass.
+        if !sum(x).is_finite()
             && let Some(index) = x.iter().position(|v| !v.is_finite())
         {
-            return Err(Error::NotFinite { place, index, value: x[index] });
+            return Err(Error::NotFinite { place: self.place(channel), index, value: x[index] });
         }
         if x.iter().all(|v| *v == x[0]) {
             let finding = format!("all samples are {}", x[0]);
-            return Err(Error::refused(place, finding, "check the cable, or leave the channel out"));
+            let remedy = "check the cable, or leave the channel out";
+            return Err(Error::refused(self.place(channel), finding, remedy));
         }
         Ok(())
     }

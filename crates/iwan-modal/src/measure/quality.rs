@@ -110,20 +110,51 @@ pub fn faults(hit: &Hit) -> Vec<Fault> {
     found.extend(
         others.map(|p| Fault::DoubleHit { time: p.start as f64 * hit.dt, part: p.peak / first.peak }),
     );
-    found.extend(flat_crest(&hit.force).or_else(|| overload(&hit.force)));
-    found.extend(hit.responses.iter().filter_map(overload));
     let onset = pulses.first().map_or(0, |p| p.start);
+    let end = if onset < BEFORE { 0 } else { onset - BEFORE / 2 };
+    found.extend(flat_crest(&hit.force).or_else(|| overload(&hit.force, &Ranges::new(&hit.force, end))));
+    // One channel after another, because the samples of one stay in the processor's cache.
+    let of_channel = |channel: &Channel| {
+        let ranges = Ranges::new(channel, end);
+        (overload(channel, &ranges), moving(channel, &ranges))
+    };
+    let (overloads, parts): (Vec<_>, Vec<_>) = hit.responses.iter().map(of_channel).unzip();
+    found.extend(overloads.into_iter().flatten());
     if onset < BEFORE {
         found.push(Fault::NoPretrigger { samples: onset });
     } else {
-        found.extend(still_moving(hit, onset - BEFORE / 2));
+        found.extend(still_moving(hit, &parts));
     }
     found
 }
 
-fn overload(channel: &Channel) -> Option<Fault> {
+/// Smallest and largest samples of a channel before a sample and from there on.
+struct Ranges {
+    end: usize,
+    before: (f64, f64),
+    after: (f64, f64),
+}
+
+impl Ranges {
+    fn new(channel: &Channel, end: usize) -> Self {
+        let (before, after) = channel.samples.split_at(end.min(channel.samples.len()));
+        Self { end, before: extent(before), after: extent(after) }
+    }
+
+    /// Smallest and largest of all samples.
+    fn whole(&self) -> (f64, f64) {
+        (self.before.0.min(self.after.0), self.before.1.max(self.after.1))
+    }
+}
+
+fn overload(channel: &Channel, ranges: &Ranges) -> Option<Fault> {
     let x = &channel.samples;
-    let (low, high) = extent(x);
+    let (low, high) = ranges.whole();
+    // Most channels have too few samples at the ends of their range, which one fast pass tells.
+    let at_ends = x.iter().map(|v| usize::from(*v == low) + usize::from(*v == high)).sum::<usize>();
+    if at_ends < RUN * PLACES {
+        return None;
+    }
     let mut zero = None;
     let (mut from, mut runs, mut samples) = (0, 0, 0);
     while from < x.len() {
@@ -156,25 +187,35 @@ fn flat_crest(force: &Channel) -> Option<Fault> {
     flat.then(|| Fault::Overload { channel: force.name.clone(), level: x[at].abs(), samples: run })
 }
 
-/// Whether a channel is still before the sample `end` without a doubt; then its median, which costs more than all else, is not needed. The median lies within a stretch of
+/// Whether a channel is still before the pulse without a doubt; then its median, which costs more than all else, is not needed. The median lies within a stretch of
 /// values where fewer than half of the samples lie below the stretch and fewer than half above; within the stretch tested here no zero line makes the start larger than MOVING
 /// of the rest.
-fn surely_still(x: &[f64], end: usize) -> bool {
-    let ((low, high), (least, most)) = (extent(&x[..end]), extent(&x[end..]));
+fn surely_still(x: &[f64], ranges: &Ranges) -> bool {
+    let ((low, high), (least, most)) = (ranges.before, ranges.after);
     let within = 0.5 * MOVING * (most - least);
-    let below = x.iter().map(|v| usize::from(*v < high - within)).sum::<usize>();
-    let above = x.iter().map(|v| usize::from(*v > low + within)).sum::<usize>();
+    let (under, over) = (high - within, low + within);
+    let counted = |(below, above): (usize, usize), v: &f64| {
+        (below + usize::from(*v < under), above + usize::from(*v > over))
+    };
+    let (below, above) = x.iter().fold((0, 0), counted);
     high - low < within && 2 * below < x.len() - 1 && 2 * above < x.len() - 1
 }
 
-fn still_moving(hit: &Hit, end: usize) -> Option<Fault> {
-    let part = |c: &Channel| {
-        let zero = median(&c.samples);
-        let largest = |x: &[f64]| x.iter().map(|x| (x - zero).abs()).fold(0.0, f64::max);
-        largest(&c.samples[..end]) / largest(&c.samples[end..]).max(f64::MIN_POSITIVE)
-    };
-    let parts = hit.responses.iter().filter(|c| !surely_still(&c.samples, end)).map(|c| (c, part(c)));
-    let (channel, part) = parts.max_by(|a, b| a.1.total_cmp(&b.1))?;
+/// The largest sample of a channel before the pulse over the largest after it, both from its median; none where it is still without a doubt.
+fn moving(channel: &Channel, ranges: &Ranges) -> Option<f64> {
+    let x = &channel.samples;
+    if ranges.end == 0 || surely_still(x, ranges) {
+        return None;
+    }
+    let zero = median(x);
+    let largest = |(low, high): (f64, f64)| (high - zero).max(zero - low);
+    Some(largest(ranges.before) / largest(ranges.after).max(f64::MIN_POSITIVE))
+}
+
+/// The channel that moves most before the pulse; `parts` are those of [`moving`].
+fn still_moving(hit: &Hit, parts: &[Option<f64>]) -> Option<Fault> {
+    let known = hit.responses.iter().zip(parts).filter_map(|(channel, part)| Some((channel, (*part)?)));
+    let (channel, part) = known.max_by(|a, b| a.1.total_cmp(&b.1))?;
     (part > MOVING).then(|| Fault::StillMoving { channel: channel.name.clone(), part })
 }
 
@@ -237,8 +278,9 @@ mod tests {
             let moves = largest(&x[..396]) > MOVING * largest(&x[396..]);
             let said = faults(&hit).iter().any(|f| matches!(f, Fault::StillMoving { .. }));
             assert_eq!(said, moves, "{size}");
-            assert!(!(moves && surely_still(x, 396)), "{size}");
-            short_ways += usize::from(surely_still(x, 396));
+            let still = surely_still(x, &Ranges::new(&hit.responses[0], 396));
+            assert!(!(moves && still), "{size}");
+            short_ways += usize::from(still);
         }
         assert!((5..35).contains(&short_ways), "{short_ways}");
     }

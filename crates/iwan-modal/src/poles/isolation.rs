@@ -1,6 +1,8 @@
 //! Mode isolation: M. S. Allen, J. H. Ginsberg, *A global, single-input-multi-output (SIMO) implementation of the algorithm of mode
 //! isolation and application to analytical and experimental data*, Mechanical Systems and Signal Processing 20, 2006.
 
+use nalgebra::DMatrix;
+
 use super::residue_peak::strongest_peak;
 use crate::error::{Error, check};
 use crate::fit::{Band, Fitted, Linear, least_worth, left_over, twins, worth};
@@ -37,14 +39,25 @@ pub struct Isolation {
 /// [`Error::OutOfRange`] for the band and for `most` (1 to 100); [`Error::Refused`] where two modes cannot be told apart.
 pub fn isolate(responses: &FrequencyResponses, edges: (f64, f64), most: usize) -> Result<Isolation, Error> {
     check("most modes", most as f64, (1..=100).contains(&most), "1 to 100", "40 is a good choice")?;
-    isolation(&Band::new(responses, edges)?, Vec::new(), most)
+    isolation_alone(&Band::new(responses, edges)?, most)
 }
 
-/// Mode isolation that starts from `poles` that are known already.
-pub(crate) fn isolation(band: &Band, mut poles: Vec<Complex>, most: usize) -> Result<Isolation, Error> {
+/// Mode isolation that knows no pole yet.
+pub(crate) fn isolation_alone(band: &Band, most: usize) -> Result<Isolation, Error> {
+    let linear = Linear::new(band, &[], false)?;
+    let rest = linear.rest(band);
+    Ok(isolation(band, Vec::new(), (linear, rest), most))
+}
+
+/// Mode isolation that starts from `poles` that are known already, with their least squares and what these leave of the responses.
+pub(crate) fn isolation(
+    band: &Band,
+    mut poles: Vec<Complex>,
+    (mut linear, mut rest): (Linear, DMatrix<f64>),
+    most: usize,
+) -> Isolation {
     let (mut steps, mut passed) = (Vec::new(), Vec::new());
-    let mut linear = Linear::new(band, &poles, false)?;
-    let (mut rest, mut noise) = (linear.rest(band), left_over(band, &linear));
+    let mut noise = left_over(band, &linear);
     let all: f64 = band.squares.iter().sum::<f64>().max(f64::MIN_POSITIVE);
     let mut in_vain = 0;
     while steps.len() < most && in_vain < IN_VAIN {
@@ -65,5 +78,5 @@ pub(crate) fn isolation(band: &Band, mut poles: Vec<Complex>, most: usize) -> Re
         (rest, noise) = (linear.rest(band), left_over(band, &linear));
         steps.push(Step { pole: peak.pole, height: peak.height, left: (after / all).sqrt() });
     }
-    Ok(Isolation { steps, poles })
+    Isolation { steps, poles }
 }

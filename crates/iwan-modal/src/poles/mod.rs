@@ -11,6 +11,6 @@ mod subspace;
 
 pub(crate) use chart::chart;
 pub use chart::{Candidate, ChartPole, Stabilisation, stabilisation};
-pub(crate) use isolation::isolation;
 pub use isolation::{Isolation, Step, isolate};
+pub(crate) use isolation::{isolation, isolation_alone};
 pub use subspace::subspace;

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use super::estimate::common_times;
 use super::shift::{Shift, shift};
-use super::transform::Transform;
+use super::transform::{Record, Room, Transform};
 use crate::error::Error;
 use crate::measure::{Hit, Pulse};
 use crate::number::{Complex, complex};
@@ -119,20 +119,20 @@ fn of_group(hits: &[&Hit], dt: f64, samples: usize) -> Vec<Disagreement> {
     };
     let transform = Transform::new(samples, dt);
     let products = |hit: &&Hit| {
-        let force = transform.one(Pulse::of(&hit.force.samples[..samples], dt, false).record(0.0));
+        let force = transform.one(&Pulse::of(&hit.force.samples[..samples], dt, false).record(0.0));
         let strongest = force.iter().map(|f| f.norm()).fold(0.0, f64::max);
         let lines = force.iter().position(|f| f.norm() < FORCE_LEFT * strongest).unwrap_or(force.len());
-        let some = |two: &[usize]| {
+        let some = |room: &mut Room, two: &[usize]| {
             let mut found = Vec::with_capacity(2);
-            let record = |c: &usize| hit.responses[place(hit, *c)].samples[..samples].to_vec();
+            let record = |c: &usize| Record::of(&hit.responses[place(hit, *c)].samples[..samples]);
             // The first line is the mean, which no sensor measures.
-            transform.each(two.iter().map(record), |_, y| {
+            transform.each(two.iter().map(record), None, room, |_, y| {
                 found.push((1..lines).map(|k| force[k].conj() * y[k]).collect::<Vec<Complex>>());
             });
             found
         };
         let channels: Vec<usize> = (0..common.len()).collect();
-        Products(channels.par_chunks(2).flat_map_iter(some).collect())
+        Products(channels.par_chunks(2).map_init(|| transform.room(), some).flatten_iter().collect())
     };
     let all: Vec<Products> = hits.iter().map(products).collect();
     let sum = |c: usize| -> Vec<Complex> {

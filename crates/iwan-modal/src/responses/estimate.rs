@@ -5,10 +5,10 @@ use std::borrow::Borrow;
 use rayon::prelude::*;
 
 use super::set::{FiniteRecord, FrequencyResponses, Function};
-use super::transform::{Transform, quick_length};
+use super::transform::{Record, Room, Transform, quick_length, quick_length_from};
 use crate::error::{Error, check};
 use crate::measure::{Channel, Hit, Motion, Pulse};
-use crate::number::{Complex, complex, sum};
+use crate::number::{Complex, complex};
 
 /// How averages over hits become a frequency response. Gff, Gfy and so on are averaged products of the spectra of force f and response y.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -67,36 +67,64 @@ pub fn frequency_responses<H: Borrow<Hit> + Sync>(
         "0 means no exponential window",
     )?;
     let hits: Vec<&Hit> = hits.iter().map(Borrow::borrow).collect();
-    let (dt, samples) = common_times(&hits)?;
+    let times = common_times(&hits)?;
+    averaged(&hits, times, motion, estimator, windows)
+}
+
+/// Frequency responses under the exponential window of `windows` from the begin of the hits' records alone, up to `after` seconds after the last pulse of the force: what comes
+/// later must be next to nothing under the window. The samples of the hits were checked when their responses were averaged.
+pub(crate) fn early_responses(
+    hits: &[&Hit],
+    motion: Motion,
+    estimator: Estimator,
+    windows: Windows,
+    after: f64,
+) -> Result<FrequencyResponses, Error> {
+    let (dt, samples) = times(hits)?;
+    let end = |h: &&Hit| {
+        let pulse = Pulse::of(&h.force.samples[..samples], dt, windows.whole_force);
+        pulse.start + pulse.force.len()
+    };
+    let last = hits.iter().map(end).max().unwrap_or(0) + (after / dt) as usize;
+    averaged(hits, (dt, quick_length_from(last, samples)), motion, estimator, windows)
+}
+
+/// The responses of hits that were checked, from their first `samples` samples, taken every `dt` seconds.
+fn averaged(
+    hits: &[&Hit],
+    (dt, samples): (f64, usize),
+    motion: Motion,
+    estimator: Estimator,
+    windows: Windows,
+) -> Result<FrequencyResponses, Error> {
     let pulses: Vec<Pulse> =
         hits.iter().map(|h| Pulse::of(&h.force.samples[..samples], dt, windows.whole_force)).collect();
     let transform = Transform::new(samples, dt);
-    let mut spectra: Vec<Vec<Complex>> = Vec::new();
-    transform.each(pulses.iter().map(|p| p.record(windows.decay)), |_, own| spectra.push(own.to_vec()));
-    let pairs = pairs(&hits)?;
+    let spectra: Vec<Vec<Complex>> = pulses.iter().map(|p| transform.one(&p.record(windows.decay))).collect();
+    let pairs = pairs(hits)?;
     let window = exponential(windows.decay, samples, dt);
     // Two pairs are done together, so that their number of records is even for an odd number of hits as well.
-    let functions = |some: &[Pair]| {
+    let functions = |room: &mut Room, some: &[Pair]| {
         let places: Vec<(usize, usize, usize)> = some
             .iter()
             .enumerate()
             .flat_map(|(p, pair)| pair.places.iter().map(move |(h, c)| (p, *h, *c)))
             .collect();
         let record = |(_, hit, channel): &(usize, usize, usize)| {
-            prepared(&hits[*hit].responses[*channel].samples[..samples], window.as_deref())
+            Record::centred(&hits[*hit].responses[*channel].samples[..samples])
         };
         let mut averages: Vec<Average> = some.iter().map(|_| Average::new(transform.lines())).collect();
-        transform.each(places.iter().map(record), |n, spectrum| {
+        transform.each(places.iter().map(record), window.as_deref(), room, |n, spectrum| {
             let (pair, hit, _) = places[n];
             averages[pair].add(&spectra[hit], spectrum);
         });
         let function = |(pair, average): (&Pair, Average)| {
             let force = &hits[pair.places[0].0].force;
-            average.function(pair.first(&hits), force, pair.places.len(), estimator)
+            average.function(pair.first(hits), force, pair.places.len(), estimator)
         };
         some.iter().zip(averages).map(function).collect::<Vec<Function>>()
     };
-    let functions = pairs.par_chunks(2).flat_map_iter(functions).collect();
+    let functions = pairs.par_chunks(2).map_init(|| transform.room(), functions).flatten_iter().collect();
     let mean = |k: usize| spectra.iter().map(|f| f[k].norm_sqr()).sum::<f64>() / spectra.len() as f64;
     Ok(FrequencyResponses {
         step: 1.0 / (samples as f64 * dt),
@@ -110,11 +138,17 @@ pub fn frequency_responses<H: Borrow<Hit> + Sync>(
 
 /// The sampling interval of all hits, and the number of samples to which all of them are cut.
 pub(super) fn common_times(hits: &[&Hit]) -> Result<(f64, usize), Error> {
+    hits.iter().try_for_each(|hit| hit.check())?;
+    times(hits)
+}
+
+/// As [`common_times`], of hits whose samples were checked.
+fn times(hits: &[&Hit]) -> Result<(f64, usize), Error> {
     let Some(first) = hits.first() else {
         return Err(Error::refused("frequency responses", "there is no hit", "give at least one"));
     };
     for hit in hits {
-        hit.check()?;
+        hit.check_times()?;
         if (hit.dt / first.dt - 1.0).abs() > SAME_INTERVAL {
             let finding =
                 format!("sampled at {:.6} Hz, {} at {:.6} Hz", 1.0 / hit.dt, first.name, 1.0 / first.dt);
@@ -170,15 +204,6 @@ fn pairs(hits: &[&Hit]) -> Result<Vec<Pair>, Error> {
 /// An exponential window over `samples` samples; none where it does not decay.
 fn exponential(decay: f64, samples: usize, dt: f64) -> Option<Vec<f64>> {
     (decay > 0.0).then(|| (0..samples).map(|n| (-decay * n as f64 * dt).exp()).collect())
-}
-
-/// The samples less their mean, under the window.
-fn prepared(x: &[f64], window: Option<&[f64]>) -> Vec<f64> {
-    let mean = sum(x) / x.len() as f64;
-    match window {
-        Some(window) => x.iter().zip(window).map(|(x, w)| (x - mean) * w).collect(),
-        None => x.iter().map(|x| x - mean).collect(),
-    }
 }
 
 /// Sums over the hits of a pair at each line.

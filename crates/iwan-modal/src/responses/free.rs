@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::set::{FiniteRecord, FrequencyResponses, Function};
-use super::transform::Transform;
+use super::transform::{Record, Room, Transform};
 use crate::error::{Error, check};
 use crate::measure::{Channel, Freedom, Motion};
 
@@ -33,25 +33,30 @@ pub fn free_responses(decays: &[Vec<Channel>], dt: f64, motion: Motion) -> Resul
     let transform = Transform::new(samples, dt);
     let numbered = decays.iter().enumerate().flat_map(|(n, decay)| decay.iter().map(move |c| (n, c)));
     let tasks: Vec<(usize, &Channel)> = numbered.collect();
-    let functions = |two: &[(usize, &Channel)]| {
+    let functions = |room: &mut Room, two: &[(usize, &Channel)]| {
         let mut found = Vec::with_capacity(2);
-        transform.each(two.iter().map(|(_, channel)| channel.samples.clone()), |i, spectrum| {
-            let (n, channel) = two[i];
-            found.push(Function {
-                name: channel.name.clone(),
-                response: channel.freedom.clone(),
-                force: Freedom::point(format!("decay {}", n + 1)),
-                hits: 1,
-                values: spectrum.to_vec(),
-                coherence: Vec::new(),
-                variance: Vec::new(),
-            });
-        });
+        transform.each(
+            two.iter().map(|(_, channel)| Record::of(&channel.samples)),
+            None,
+            room,
+            |i, spectrum| {
+                let (n, channel) = two[i];
+                found.push(Function {
+                    name: channel.name.clone(),
+                    response: channel.freedom.clone(),
+                    force: Freedom::point(format!("decay {}", n + 1)),
+                    hits: 1,
+                    values: spectrum.to_vec(),
+                    coherence: Vec::new(),
+                    variance: Vec::new(),
+                });
+            },
+        );
         found
     };
     Ok(FrequencyResponses {
         step: 1.0 / (samples as f64 * dt),
-        functions: tasks.par_chunks(2).flat_map_iter(functions).collect(),
+        functions: tasks.par_chunks(2).map_init(|| transform.room(), functions).flatten_iter().collect(),
         motion,
         force: Vec::new(),
         decay: 0.0,

@@ -8,6 +8,7 @@ mod shift;
 mod agreement;
 
 pub use agreement::{Disagreement, disagreements};
+pub(crate) use estimate::early_responses;
 pub use estimate::{Estimator, Windows, frequency_responses};
 pub(crate) use free::common_length;
 pub use free::free_responses;

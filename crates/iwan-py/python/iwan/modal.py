@@ -75,11 +75,10 @@ class ModalFit:
         return f"<iwan.ModalFit: {len(self.modes)} modes from {self.band[0]:.6g} to {self.band[1]:.6g} Hz>"
 
 
-def _real(name: str, values: Any) -> NDArray[np.float64]:
-    """Real numbers; a record would lose its interval."""
+def _no_record(name: str, values: Any) -> None:
+    """Refuses a record, which would lose its interval."""
     if isinstance(values, _native.Record):
         raise InvalidTypeError(f"{name} is an iwan.Record: give its samples, {name}=record.samples, and dt=record.dt")
-    return _native._numbers(name, values)
 
 
 def modal_fit(
@@ -141,16 +140,11 @@ def modal_fit(
     added, dropped = _native._numbers("add_poles", add_poles).ravel(), _native._numbers("drop_poles", drop_poles).ravel()
     if poles is not None and (added.size or dropped.size):
         raise InvalidValueError("poles gives all modes: leave add_poles and drop_poles out, or poles")
-    motions = _real("responses", responses)
-    if motions.ndim == 2:
-        motions = motions[None]
-    if motions.ndim != 3:
-        raise InvalidValueError(f"responses has {motions.ndim} dimensions: give (hits, channels, samples)")
-    forces = None if force is None else np.atleast_2d(_real("force", force))
-    given = [str(n) for n in range(motions.shape[1])] if names is None else texts("names", names)
+    _no_record("responses", responses)
+    _no_record("force", force)
     request: dict[str, Any] = {
         "dt": dt,
-        "names": given,
+        "names": None if names is None else texts("names", names),
         "force_at": force_at,
         "quantity": quantity,
         "estimator": estimator,
@@ -163,12 +157,5 @@ def modal_fit(
         "add_poles": added,
         "drop_poles": dropped,
     }
-    found = _native._modal_fit(forces, motions, request)
-
-    def joined(parts: tuple[Array, Array]) -> NDArray[np.complex128]:
-        return parts[0] + 1j * parts[1]
-
-    modes = [ModalMode(**{**mode, "complex_shape": joined(mode["complex_shape"])}) for mode in found.pop("modes")]
-    for key in ("responses", "fitted"):
-        found[key] = joined(found[key])
-    return ModalFit(modes=modes, **found)
+    found = _native._modal_fit(force, responses, request)
+    return ModalFit(modes=[ModalMode(**mode) for mode in found.pop("modes")], **found)

@@ -5,7 +5,7 @@ use iwan_core::Pulse;
 use iwan_modal::measure::{Channel, Freedom, Hit, Motion};
 use iwan_modal::modes::{Mode, mac};
 use iwan_modal::responses::{Estimator, FrequencyResponses, Windows, frequency_responses};
-use iwan_modal::{Analysis, Complex, ModalFit, early_decay, modal_fit, on_threads};
+use iwan_modal::{Analysis, Complex, ModalFit, modal_fit, on_threads};
 
 use super::bench::{Bench, HAMMER, HITS, RATE, SENSORS};
 use super::noise::Noise;
@@ -67,11 +67,10 @@ impl ModalTest {
     }
 
     fn of_hits(hits: &[Hit], bench: &Bench) -> Result<Self, iwan_modal::Error> {
-        let responses = |windows| frequency_responses(hits, Motion::Acceleration, Estimator::H1, windows);
-        let whole = responses(Windows::default())?;
+        let (motion, estimator) = (Motion::Acceleration, Estimator::H1);
+        let whole = frequency_responses(hits, motion, estimator, Windows::default())?;
         let fit = modal_fit(&whole, Some((BAND.from, BAND.to)), &Analysis::Isolation, NO_CHART)?;
-        let early = responses(Windows { decay: early_decay(&whole), ..Windows::default() })?;
-        let fit = fit.scaled_at_begin(&early)?;
+        let fit = fit.scaled_at_begin(hits, motion, estimator, false)?;
         let bending = bench.shapes.iter().filter_map(|shape| FoundMode::nearest(&fit.modes, shape)).collect();
         Ok(Self { force: HITS[0], responses: whole, fit, bending })
     }
