@@ -5,7 +5,7 @@
 use std::num::NonZeroUsize;
 use std::panic::resume_unwind;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use std::thread::Builder;
 
 use crate::address_space::address_space;
@@ -16,8 +16,12 @@ const ROOMY: u64 = 4 << 30;
 /// Number of threads that may work at once, the one that set it included; no limit by default, so that nested work may begin more threads than
 /// there are cores and the system shares them out.
 static LIMIT: AtomicUsize = AtomicUsize::new(usize::MAX);
-/// Number of threads that were begun here and work.
+/// Number of threads that were begun here and have not ended.
 static BEGUN: AtomicUsize = AtomicUsize::new(0);
+/// Number of threads that wait here for others to end.
+static WAITING: AtomicUsize = AtomicUsize::new(0);
+/// Number of threads that the system runs at once: asking takes as long as a short piece of work, and the answer stays.
+static CORES: OnceLock<usize> = OnceLock::new();
 
 /// Lets at most `threads` threads work at once from now on, in whatever depth work begins work; 0 counts as 1.
 ///
@@ -56,6 +60,28 @@ impl Drop for Place {
     }
 }
 
+/// A thread that waits for others, until it goes on.
+struct Wait;
+
+impl Wait {
+    fn begin() -> Self {
+        WAITING.fetch_add(1, Ordering::Relaxed);
+        Self
+    }
+}
+
+impl Drop for Wait {
+    fn drop(&mut self) {
+        WAITING.fetch_sub(1, Ordering::Relaxed);
+    }
+}
+
+/// Whether fewer threads work than the system runs at once.
+fn has_idle_core() -> bool {
+    let (begun, waiting) = (BEGUN.load(Ordering::Relaxed), WAITING.load(Ordering::Relaxed));
+    1 + begun < at_once() + waiting
+}
+
 /// Whether the calling thread does better alone: a thread that starts without room for its signal stack aborts the process.
 fn is_crowded() -> bool {
     address_space() < ROOMY
@@ -72,7 +98,8 @@ pub fn at_once() -> usize {
     if is_crowded() {
         return 1;
     }
-    std::thread::available_parallelism().map_or(1, NonZeroUsize::get).min(LIMIT.load(Ordering::Relaxed))
+    let ask = || std::thread::available_parallelism().map_or(1, NonZeroUsize::get);
+    (*CORES.get_or_init(ask)).min(LIMIT.load(Ordering::Relaxed))
 }
 
 /// Runs `work` on the calling thread and on up to `threads - 1` others at once, and returns the result of each, that of the calling thread
@@ -96,6 +123,7 @@ pub fn together<R: Send>(threads: usize, work: &(dyn Fn() -> R + Sync)) -> Vec<R
         };
         let helpers: Vec<_> = (1..threads).map_while(helper).collect();
         let mut results = vec![work()];
+        let _wait = Wait::begin();
         for helper in helpers {
             match helper.join() {
                 Ok(result) => results.push(result),
@@ -143,9 +171,47 @@ pub fn both<A, B: Send>(first: &dyn Fn() -> A, second: &(dyn Fn() -> B + Sync)) 
         };
         let Ok(other) = Builder::new().spawn_scoped(scope, run) else { return (first(), second()) };
         let first = first();
+        let _wait = Wait::begin();
         match other.join() {
             Ok(second) => (first, second),
             Err(panic) => resume_unwind(panic),
+        }
+    })
+}
+
+/// Runs both, at the same time where a core has nothing to do: for pieces of a millisecond that are done again and again by work that may itself be one of many in
+/// parallel. What has not begun on the other core when the first is done is taken back.
+///
+/// ```
+/// let (mut a, mut b) = (0, 0);
+/// iwan_machine::threads::both_where_idle(|| a += 1, || b += 2);
+/// assert_eq!((a, b), (1, 2));
+/// ```
+pub fn both_where_idle<A, B: Send>(first: impl FnOnce() -> A, second: impl FnOnce() -> B + Send) -> (A, B) {
+    if !has_idle_core() {
+        return (first(), second());
+    }
+    let kept = Mutex::new(Some(second));
+    let take = || {
+        let second = kept.lock().unwrap_or_else(PoisonError::into_inner).take();
+        second.map(|second| second())
+    };
+    std::thread::scope(|scope| {
+        let helper = Place::take().and_then(|place| {
+            let run = move || {
+                let _place = place;
+                take()
+            };
+            Builder::new().spawn_scoped(scope, run).ok()
+        });
+        let first = first();
+        let taken_back = take();
+        let _wait = Wait::begin();
+        let helped = helper.and_then(|helper| helper.join().unwrap_or_else(|panic| resume_unwind(panic)));
+        match taken_back.or(helped) {
+            Some(second) => (first, second),
+            // One of the two has taken it.
+            None => unreachable!("the second piece of work was done by nobody"),
         }
     })
 }
@@ -186,7 +252,7 @@ mod tests {
     use std::sync::atomic::{AtomicUsize, Ordering};
     use std::time::Duration;
 
-    use super::{LIMIT, both, in_parallel, limit};
+    use super::{LIMIT, both, both_where_idle, in_parallel, limit};
 
     /// Work within work began threads without end: a fit with `--threads 1` kept all cores busy.
     #[test]
@@ -198,7 +264,8 @@ mod tests {
             working.fetch_sub(1, Ordering::SeqCst);
         };
         let items = [0_u32; 6];
-        let inner = |_: &u32| both(&|| in_parallel(&items, 6, &work), &|| in_parallel(&items, 6, &work));
+        let all = || in_parallel(&items, 6, &work);
+        let inner = |_: &u32| both(&all, &|| both_where_idle(all, all));
         for threads in [1, 2, 3] {
             limit(threads);
             most.store(0, Ordering::SeqCst);
@@ -210,6 +277,21 @@ mod tests {
         LIMIT.store(usize::MAX, Ordering::Relaxed);
         in_parallel(&items[..3], 3, &inner);
         assert!(most.load(Ordering::SeqCst) > 3);
+    }
+
+    /// Whoever does the second piece, it is done once, also where the first is done before another thread begins.
+    #[test]
+    fn both_pieces_are_done_once() {
+        let done = AtomicUsize::new(0);
+        let piece = |n: usize| {
+            std::thread::sleep(Duration::from_micros(10 * (n % 7) as u64));
+            done.fetch_add(1, Ordering::SeqCst);
+            n * n
+        };
+        for n in 0..200 {
+            assert_eq!(both_where_idle(|| piece(n), || piece(n + 1)), (n * n, (n + 1) * (n + 1)));
+        }
+        assert_eq!(done.load(Ordering::SeqCst), 400);
     }
 
     #[test]

@@ -5,6 +5,7 @@ use iwan_core::progress::UNWATCHED;
 use iwan_input::scenario::{Scenario, to_toml};
 use iwan_io::Table;
 use iwan_machine::checkpoint::Digest;
+use iwan_machine::threads::at_once;
 use iwan_sim::in_parallel;
 
 use super::args::FitArgs;
@@ -171,7 +172,8 @@ fn write_response(
     name: &str,
     args: &FitArgs,
 ) -> Result<(), Failure> {
-    let responses = iwan_sim::simulate_all(&scenario.modes(), &Pulse::None, &scenario.settings, 1, UNWATCHED);
+    let (modes, settings) = (scenario.modes(), &scenario.settings);
+    let responses = iwan_sim::simulate_all(&modes, &Pulse::None, settings, at_once(), UNWATCHED);
     let responses = responses.map_err(|error| failed(&error))?;
     let times: Vec<f64> = responses.first().map(|r| r.times().collect()).unwrap_or_default();
     let columns = response_columns(&times, scenario, &responses, &[]);

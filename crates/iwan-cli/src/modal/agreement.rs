@@ -1,5 +1,6 @@
 //! Checks whether hits and levels are consistent: swapped or reversed channels, points that a level lacks.
 
+use iwan_modal::each_of;
 use iwan_modal::measure::{Channel, Freedom, Hit};
 use iwan_modal::responses::disagreements;
 
@@ -8,8 +9,8 @@ use super::hits::Test;
 
 /// Doubts about the channels, level by level, as sentences.
 pub(super) fn doubts(test: &Test, levels: &[Level]) -> Vec<String> {
-    let of_levels = levels.iter().flat_map(|level| [of_level(test, level), lacking(test, level)].concat());
-    of_levels.chain(missing(test, levels)).chain(same_samples(test)).collect()
+    let of_levels = each_of(levels, |level| [of_level(test, level), lacking(test, level)].concat());
+    of_levels.into_iter().flatten().chain(missing(test, levels)).chain(same_samples(test)).collect()
 }
 
 /// Names points that are missing in a hit although more than half of the hits of its level at the same place have them: the average at such a point

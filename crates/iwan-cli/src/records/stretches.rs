@@ -9,14 +9,20 @@ use super::args::{Hits, RecordArgs};
 use super::reading::{Recording, read};
 use crate::failure::Failure;
 
+/// Files of fewer bytes than this altogether are read side by side. Larger ones are read one after the other, so that the memory for one is given back before the next is
+/// read: as text a file takes several times its size.
+const SIDE_BY_SIDE: u64 = 1 << 27;
+
 /// Reads files as the options say; a record of several hits that are well apart becomes one recording per hit, in their order.
 pub(crate) fn read_all(
     paths: &[PathBuf],
     args: &RecordArgs,
     threads: usize,
 ) -> Result<Vec<Recording>, Failure> {
-    // One file after the other, so that the memory for one is given back before the next is read.
-    let read: Vec<Recording> = paths.iter().map(|path| read(path, args)).collect::<Result<_, _>>()?;
+    let size: u64 = paths.iter().filter_map(|path| path.metadata().ok()).map(|file| file.len()).sum();
+    let at_once = if size < SIDE_BY_SIDE { threads } else { 1 };
+    let read: Vec<Recording> =
+        in_parallel(paths, at_once, &|path| read(path, args)).into_iter().collect::<Result<_, _>>()?;
     let seen = in_parallel(&read, threads, &|r| overview(r.record.samples(), r.record.dt()));
     let mut all = Vec::new();
     for (recording, seen) in read.into_iter().zip(&seen) {

@@ -1,5 +1,7 @@
 //! Laws compared by evidence, and the law to take.
 
+use iwan_machine::threads::{at_once, in_parallel};
+
 use super::extrapolation::Extrapolation;
 use super::slow::{Backbone, Source, measure};
 use super::together::{FittedLaw, grid, together};
@@ -44,7 +46,8 @@ pub fn compare(sources: &[Source<'_>], iwan: Option<&Parameters>) -> Result<Comp
         });
     }
     let grid = grid(sources);
-    let measured = sources.iter().map(|s| measure(&grid, s)).collect::<Result<Vec<_>, _>>()?;
+    let measured = in_parallel(sources, at_once(), &|source| measure(&grid, source));
+    let measured = measured.into_iter().collect::<Result<Vec<_>, _>>()?;
     let together = together(grid, &measured, sources).ok_or_else(|| Error::Refused {
         finding: "what the records tell of frequency and damping makes no curves".into(),
         remedy: "check the band and the window",

@@ -7,6 +7,7 @@ use std::f64::consts::TAU;
 use std::ops::Range;
 use std::sync::atomic::Ordering;
 
+use iwan_machine::threads::both_where_idle;
 use nalgebra::DMatrix;
 use rustfft::num_complex::Complex64;
 
@@ -44,31 +45,66 @@ impl Problem for OfRecords<'_> {
     }
 
     fn derivatives(&mut self, x: &[f64], free: &[usize]) -> Option<DMatrix<f64>> {
-        let (task, rows, bounds) = (self.task, self.task.rows(), self.task.bounds());
-        let mut base = vec![0.0; task.count()];
+        let (task, count) = (self.task, self.task.count());
+        let mut base = vec![0.0; count];
         task.all_records(self.kind, x, &mut base, self.work).then_some(())?;
-        let mut out = DMatrix::zeros(task.count(), free.len());
-        let (mut above, mut below) = (base.clone(), base.clone());
+        let mut out = DMatrix::zeros(count, free.len());
+        let columns = free.iter().copied().zip(out.as_mut_slice().chunks_mut(count));
+        let (own, shared): (Vec<_>, Vec<_>) = columns.partition(|(j, _)| record_of(*j).is_some());
+        let differences =
+            Differences { task, kind: self.kind, central: self.central, x, base: &base, rows: &task.rows() };
+        // Own unknowns leave the mode as it is, so that all of their models come from one table; each unknown that the records share has a mode and a table of its own.
+        let mut aside = self.work.aside.take().unwrap_or_default();
+        let (own, shared) =
+            both_where_idle(|| differences.put(own, &mut *self.work), || differences.put(shared, &mut aside));
+        self.work.aside = Some(aside);
+        (own.is_some() && shared.is_some()).then_some(())?;
+        if let (Some(discount), Kind::Whitened) = (&task.discount, self.kind) {
+            discount.apply_to_columns(&mut out);
+        }
+        out.iter().all(|d| d.is_finite()).then_some(out)
+    }
+}
+
+/// Derivatives of the residuals at a point, without a discount.
+struct Differences<'a> {
+    task: &'a Task,
+    kind: Kind,
+    /// Whether differences are central.
+    central: bool,
+    /// The point, and the residuals there.
+    x: &'a [f64],
+    base: &'a [f64],
+    /// Rows of each record.
+    rows: &'a [Range<usize>],
+}
+
+impl Differences<'_> {
+    /// Puts derivatives into columns of zeros, each given with its coordinate; none where there are none.
+    fn put(&self, columns: Vec<(usize, &mut [f64])>, work: &mut Workspace) -> Option<()> {
+        let Self { task, kind, central, x, base, rows } = *self;
+        let bounds = task.bounds();
+        let (mut above, mut below) = (base.to_vec(), base.to_vec());
         let mut moved = x.to_vec();
-        for (mut column, &j) in out.column_iter_mut().zip(free) {
+        for (j, column) in columns {
             let own = record_of(j);
             let mut at = |place: f64, out: &mut [f64]| {
                 moved[j] = place;
                 let known = match own {
-                    Some(own) => task.one_record(self.kind, &moved, own, (&rows[own], out), self.work),
-                    None => task.all_records(self.kind, &moved, out, self.work),
+                    Some(own) => task.one_record(kind, &moved, own, (&rows[own], out), work),
+                    None => task.all_records(kind, &moved, out, work),
                 };
                 moved[j] = x[j];
                 known.then_some(())
             };
-            let [mut from, mut to] = Search::apart(x[j], bounds[j], self.central);
+            let [mut from, mut to] = Search::apart(x[j], bounds[j], central);
             if at(to, &mut above).is_none() {
                 // Next to the edge of what a model can be there is one on the other side only.
-                above.clone_from(&base);
-                [from, to] = Search::apart(x[j], (bounds[j].0, x[j]), self.central);
+                above.copy_from_slice(base);
+                [from, to] = Search::apart(x[j], (bounds[j].0, x[j]), central);
                 at(to, &mut above)?;
             } else if from != x[j] && at(from, &mut below).is_none() {
-                below.clone_from(&base);
+                below.copy_from_slice(base);
                 from = x[j];
             }
             let mut differ = |rows: Range<usize>| {
@@ -85,10 +121,7 @@ impl Problem for OfRecords<'_> {
                 None => differ(0..base.len()),
             }
         }
-        if let (Some(discount), Kind::Whitened) = (&task.discount, self.kind) {
-            discount.apply_to_columns(&mut out);
-        }
-        out.iter().all(|d| d.is_finite()).then_some(out)
+        Some(())
     }
 }
 

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use iwan_machine::checkpoint::Checkpoint;
+use iwan_machine::threads::{at_once, in_parallel};
 use rustfft::num_complex::Complex64;
 use serde::{Deserialize, Serialize};
 
@@ -90,6 +91,8 @@ pub(crate) struct Workspace {
     pub(super) model: Vec<Complex64>,
     /// The models computed last, one list per record: a record's own unknowns change no other record.
     known: Vec<VecDeque<Known>>,
+    /// A second workspace, for work at the same time.
+    pub(super) aside: Option<Box<Self>>,
 }
 
 /// A model's amplitudes in the windows of a record.
@@ -304,15 +307,23 @@ impl Task {
     /// difference between a sum over samples and an integral.
     pub(crate) fn take_samples(&mut self, x: &[f64], work: &mut Workspace) {
         let (parameters, starts) = (self.chart.parameters(x), self.starts_at(x));
-        for (record, start) in self.records.iter_mut().zip(starts.into_iter().map(TurningPoint::on_mean_day))
-        {
-            let (windows, buffers) = (&record.windows, &mut work.buffers);
-            let mut exact = vec![Complex64::default(); windows.count];
+        let begun: Vec<(&Windowed, TurningPoint)> =
+            self.records.iter().zip(starts.into_iter().map(TurningPoint::on_mean_day)).collect();
+        let sampled = in_parallel(&begun, at_once(), &|(record, start)| {
             let sampling = Sampling { dt: record.dt, count: record.samples };
             let samples = start.samples(&parameters, sampling, record.quantity);
-            let known = windows.of_model(&parameters, start, record.quantity, buffers, &mut exact);
-            if let (Ok(samples), true) = (samples, known) {
-                let sampled = windows.of_samples(&samples, record.dt);
+            samples.map(|samples| record.windows.of_samples(&samples, record.dt))
+        });
+        let exact: Vec<Option<Vec<Complex64>>> = begun
+            .iter()
+            .map(|(record, start)| {
+                let (windows, buffers) = (&record.windows, &mut work.buffers);
+                let mut exact = vec![Complex64::default(); windows.count];
+                windows.of_model(&parameters, *start, record.quantity, buffers, &mut exact).then_some(exact)
+            })
+            .collect();
+        for (record, found) in self.records.iter_mut().zip(sampled.into_iter().zip(exact)) {
+            if let (Ok(sampled), Some(exact)) = found {
                 record.sampling = sampled.iter().zip(&exact).map(|(a, b)| a - b).collect();
             }
         }

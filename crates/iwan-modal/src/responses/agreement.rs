@@ -134,17 +134,17 @@ fn of_group(hits: &[&Hit], dt: f64, samples: usize) -> Vec<Disagreement> {
         let channels: Vec<usize> = (0..common.len()).collect();
         Products(channels.par_chunks(2).map_init(|| transform.room(), some).flatten_iter().collect())
     };
-    let all: Vec<Products> = hits.iter().map(products).collect();
+    let all: Vec<Products> = hits.par_iter().map(products).collect();
     let sum = |c: usize| -> Vec<Complex> {
         let lines = all.iter().map(|p| p.0[c].len()).min().unwrap_or(0);
         (0..lines).map(|k| all.iter().map(|p| p.0[c][k]).sum()).collect()
     };
-    let sums: Vec<Vec<Complex>> = (0..common.len()).map(sum).collect();
+    let sums: Vec<Vec<Complex>> = (0..common.len()).into_par_iter().map(sum).collect();
     let name = |h: usize, c: usize| hits[h].responses[place(hits[h], c)].name.clone();
     // Where there are only two hits, both would be named, so only the second is looked at.
     let first = usize::from(hits.len() == 2);
-    let mut found = Vec::new();
-    for h in first..hits.len() {
+    let of_hit = |h: usize| {
+        let mut found = Vec::new();
         let other = hits[usize::from(h == 0)].name.clone();
         let alike = |c: usize, d: usize| correlation(&all[h].0[c], &sums[d], &all[h].0[d]);
         let doubtful: Vec<usize> = (0..common.len()).filter(|c| alike(*c, *c) < UNLIKE).collect();
@@ -160,7 +160,10 @@ fn of_group(hits: &[&Hit], dt: f64, samples: usize) -> Vec<Disagreement> {
                 found.push(Disagreement::Swapped { hit, channels, other: other.clone() });
             }
         }
-    }
+        found
+    };
+    let found: Vec<Vec<Disagreement>> = (first..hits.len()).into_par_iter().map(of_hit).collect();
+    let mut found = found.concat();
     found.extend(shifted(hits, &all, 1.0 / (samples as f64 * dt)));
     found
 }

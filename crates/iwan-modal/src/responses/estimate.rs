@@ -138,7 +138,9 @@ fn averaged(
 
 /// The sampling interval of all hits, and the number of samples to which all of them are cut.
 pub(super) fn common_times(hits: &[&Hit]) -> Result<(f64, usize), Error> {
-    hits.iter().try_for_each(|hit| hit.check())?;
+    // All are looked at, so that it is the first fault that is said, however the work is divided.
+    let checked: Vec<Result<(), Error>> = hits.par_iter().map(|hit| hit.check()).collect();
+    checked.into_iter().collect::<Result<(), Error>>()?;
     times(hits)
 }
 

@@ -53,7 +53,9 @@ impl Comparison {
         let mode = released(name, &release.of_day(&found.parameters), displacement)?;
         // The response is computed for two samples more than are compared, because the cubic between samples needs later ones.
         let duration = (window.end - first) as f64 * dt - late + 2.0 * dt;
-        let settings = Settings { method: Method::HalfCycle, ..Settings::new(step, duration) };
+        // Nobody asks for the error of this response, which would take a few times as long as the response itself.
+        let settings =
+            Settings { method: Method::HalfCycle, quality: false, ..Settings::new(step, duration) };
         let response = simulate(&mode, &Pulse::None, &settings)?;
         // The turning point, at which the model is released, may lie a little after the first sample.
         let skip = (late / dt).ceil().max(0.0) as usize;

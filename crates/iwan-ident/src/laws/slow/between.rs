@@ -7,6 +7,7 @@
 
 use std::collections::HashMap;
 
+use iwan_machine::threads::{at_once, in_parallel};
 use nalgebra::{DMatrix, DVector};
 
 use super::linear::Information;
@@ -87,22 +88,21 @@ pub(crate) fn specimen(
     }
     let ladders = [DECAY, OMEGA, DECAY, OMEGA].map(sizes);
     let at = |place: [usize; 4]| std::array::from_fn::<f64, 4, _>(|k| ladders[k][place[k]]);
-    let mut known = HashMap::new();
-    let mut deviance = |place: [usize; 4]| {
-        *known.entry(place).or_insert_with(|| {
-            let one = trial(hits, &straying.of(at(place)), covariances, mean);
-            one.map_or(f64::INFINITY, |t| t.deviance)
-        })
+    let mut known: HashMap<[usize; 4], f64> = HashMap::new();
+    let deviance = |place: &[usize; 4]| {
+        let one = trial(hits, &straying.of(at(*place)), covariances, mean);
+        one.map_or(f64::INFINITY, |t| t.deviance)
     };
     // One size after the other is moved along its values, until none gains.
     let mut place = ladders.each_ref().map(|ladder| ladder.len() / 2);
     loop {
         let before = place;
-        for k in 0..4 {
+        for (k, ladder) in ladders.iter().enumerate() {
             let moved = |i: usize| std::array::from_fn(|j| if j == k { i } else { place[j] });
-            let best =
-                (0..ladders[k].len()).min_by(|a, b| deviance(moved(*a)).total_cmp(&deviance(moved(*b))))?;
-            place[k] = best;
+            let along: Vec<[usize; 4]> = (0..ladder.len()).map(moved).collect();
+            let new: Vec<[usize; 4]> = along.iter().copied().filter(|p| !known.contains_key(p)).collect();
+            known.extend(new.iter().copied().zip(in_parallel(&new, at_once(), &deviance)));
+            place = along.into_iter().min_by(|a, b| known[a].total_cmp(&known[b]))?;
         }
         if place == before {
             break;
