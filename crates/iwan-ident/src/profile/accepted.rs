@@ -239,3 +239,100 @@ fn scaled(parameter: Parameter, value: f64) -> f64 {
         _ => value.ln(),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::search::{CHI, DAMPING, FREQUENCY, SOFTENING};
+
+    /// Residuals that are linear in the coordinates, with the least sum of squares at `best`.
+    struct Plane {
+        chart: Chart,
+        best: [f64; COUNT],
+        slopes: DMatrix<f64>,
+    }
+
+    const SMOOTH: [usize; 4] = [FREQUENCY, DAMPING, SOFTENING, CHI];
+
+    impl Ground for Plane {
+        type Work = ();
+
+        fn bounds(&self) -> Vec<(f64, f64)> {
+            Chart::bounds().to_vec()
+        }
+
+        fn cost(&self, x: &[f64], (): &mut ()) -> Option<f64> {
+            let away = DVector::from_iterator(SMOOTH.len(), SMOOTH.iter().map(|j| x[*j] - self.best[*j]));
+            Some((&self.slopes * away).norm_squared())
+        }
+
+        fn minimise(&self, _: &[f64], _: Vec<usize>, _: f64, (): &mut ()) -> Option<Minimum> {
+            None
+        }
+
+        fn jacobian(&self, _: &[f64], _: Vec<usize>, (): &mut ()) -> Option<DMatrix<f64>> {
+            Some(self.slopes.clone())
+        }
+
+        fn is_at_edge(&self, _: &[f64]) -> bool {
+            false
+        }
+    }
+
+    impl Charted for Plane {
+        fn chart(&self) -> &Chart {
+            &self.chart
+        }
+
+        fn smooth_at(&self, _: &[f64]) -> Vec<usize> {
+            SMOOTH.to_vec()
+        }
+    }
+
+    /// K_T hangs on frequency, softening and χ alike. The point towards a value of it has that value, the deviance that is foretold, and no neighbour with the same value that lies lower.
+    #[test]
+    fn the_point_towards_a_value_lies_lowest_among_those_that_have_it() {
+        let chart = Chart::holding(&[], 1e-4);
+        let p = crate::parameters::Parameters {
+            frequency: 124.0,
+            damping_ratio: 2e-3,
+            k_t: 4.45e4,
+            f_s: 20.0,
+            chi: -0.3,
+            beta: 0.4,
+        };
+        let best = chart.coordinates(&p).unwrap();
+        // Columns that are far from orthogonal, with coordinates of unlike spread.
+        let slopes = DMatrix::from_fn(9, 4, |i, j| {
+            (0.7 * (i * (j + 2)) as f64).sin() * 10.0_f64.powi([4, 3, 2, 1][j]) + 3.0
+        });
+        let plane = Plane { chart, best, slopes };
+        let cost = |x: &[f64]| plane.cost(x, &mut ()).unwrap();
+        let value = |x: &[f64]| plane.chart.parameters(x).get(Parameter::KT);
+        let scale = Scale::about(0.0, 1.0, 100.0);
+        let minimum = Minimum { x: best.to_vec(), cost: 0.0, converged: true };
+        let accepted = Accepted::new(&plane, minimum, &scale, &mut ());
+        let wanted = 1.001 * p.k_t;
+        let x = accepted.towards(&plane, Parameter::KT, wanted);
+        assert!((value(&x) / wanted - 1.0).abs() < 1e-5, "{}", value(&x) / wanted);
+        let foretold = accepted.deviance_at(&plane, &scale, Parameter::KT, wanted);
+        assert!((cost(&x) / foretold - 1.0).abs() < 1e-6, "{} {foretold}", cost(&x));
+        // Steps along each coordinate, with the softening brought to where K_T is as before.
+        let slope = |j: usize| {
+            let mut moved = x.clone();
+            moved[j] += STEP;
+            (value(&moved) - value(&x)) / STEP
+        };
+        for j in [FREQUENCY, DAMPING, CHI] {
+            for step in [-1e-5, 1e-5] {
+                let mut moved = x.clone();
+                moved[j] += step;
+                moved[SOFTENING] -= step * slope(j) / slope(SOFTENING);
+                assert!(cost(&moved) > cost(&x), "{j} {step}: {} {}", cost(&moved), cost(&x));
+            }
+        }
+        // What does not move K_T stays.
+        let knee = crate::search::KNEE;
+        assert_eq!(x[knee], best[knee]);
+    }
+}
