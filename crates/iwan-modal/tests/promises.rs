@@ -4,7 +4,7 @@
 use crate::support;
 use crate::support::{Bench, TrueMode, ten_modes};
 use iwan_core::SplitMix64;
-use iwan_modal::measure::{Hit, Motion, levels};
+use iwan_modal::measure::{Channel, Freedom, Hit, Motion, levels};
 use iwan_modal::modes::{Scale, mac};
 use iwan_modal::responses::{Estimator, Windows, frequency_responses};
 use iwan_modal::{Analysis, Complex, ModalFit, modal_fit};
@@ -164,4 +164,50 @@ fn calibration_goes_into_shapes_and_into_their_standard_deviations() {
     let refused =
         found(&bench.hits(100.0, 2, 3), (60.0, 380.0)).with_calibration(-0.1).expect_err("negative");
     assert!(refused.to_string().contains("-0.1"), "{refused}");
+}
+
+/// A mode of unit mass whose damping falls while it decays: the whole decay shows too small a shape, its begin the true one. The hammer may hit at the begin of the record or late in it,
+/// where noise before the blow must not count.
+#[test]
+fn the_begin_of_a_decay_tells_the_scale_wherever_the_blow_is() {
+    let (rate, after, omega, damping) = (2048.0, 8192, std::f64::consts::TAU * 80.0, 2e-3);
+    let (motion, estimator) = (Motion::Displacement, Estimator::H1);
+    for blow in [40_usize, 6000] {
+        let mut normal = support::Normal::new(8);
+        let mut channel = |name: &str, size: f64| Channel {
+            name: name.into(),
+            freedom: Freedom::point(name),
+            samples: (0..blow + after)
+                .map(|n| {
+                    let t = n.saturating_sub(blow) as f64 / rate;
+                    let lost = (1.0 + 4.0 * t).powf(-0.15);
+                    let decay = size * lost * (-damping * omega * t).exp() * (omega * t).sin() / omega;
+                    decay + 2e-3 * size / omega * normal.next()
+                })
+                .collect(),
+        };
+        let hit = |n: usize, responses| Hit {
+            name: format!("hit {n}"),
+            dt: 1.0 / rate,
+            force: Channel {
+                name: "hammer".into(),
+                freedom: Freedom::point("tip"),
+                samples: (0..blow + after).map(|n| if n == blow { rate } else { 0.0 }).collect(),
+            },
+            responses,
+        };
+        let mut all = || {
+            let sizes = [("tip", 1.0), ("root", 0.25), ("a", -0.5), ("b", 0.7), ("c", -0.3)];
+            sizes.map(|(name, size)| channel(name, size)).to_vec()
+        };
+        let hits: Vec<Hit> = (0..3).map(|n| hit(n, all())).collect();
+        let whole = frequency_responses(&hits, motion, estimator, Windows::default()).expect("hits");
+        let fit = modal_fit(&whole, Some((40.0, 160.0)), &Analysis::Chart, 20).expect("modes");
+        let plain = fit.modes[0].real_shape[0].abs();
+        let fit = fit.scaled_at_begin(&hits, motion, estimator, false).expect("hits");
+        let [tip, root] = [0, 1].map(|point: usize| fit.modes[0].real_shape[point].abs());
+        assert!(plain < 0.98 && fit.modes[0].stretch.is_some(), "{blow}: {plain}");
+        let off = [tip - 1.0, root / 0.25 - 1.0];
+        assert!(off.iter().all(|off| off.abs() < 6e-3), "{blow}: {plain} {tip} {root}");
+    }
 }

@@ -1,6 +1,7 @@
 //! Frequency responses from hits: H1, H2 and Hv.
 
 use std::borrow::Borrow;
+use std::ops::Range;
 
 use rayon::prelude::*;
 
@@ -67,12 +68,12 @@ pub fn frequency_responses<H: Borrow<Hit> + Sync>(
         "0 means no exponential window",
     )?;
     let hits: Vec<&Hit> = hits.iter().map(Borrow::borrow).collect();
-    let times = common_times(&hits)?;
-    averaged(&hits, times, motion, estimator, windows)
+    let (dt, samples) = common_times(&hits)?;
+    averaged(&hits, dt, 0..samples, (motion, estimator, windows))
 }
 
-/// Frequency responses under the exponential window of `windows` from the begin of the hits' records alone, up to `after` seconds after the last pulse of the force: what comes
-/// later must be next to nothing under the window. The samples of the hits were checked when their responses were averaged.
+/// Frequency responses under the exponential window of `windows` from the begin of the hits alone: from the first pulse of the force, because noise before it would be loud under the window, up to
+/// `after` seconds after the last one, because what comes later must be next to nothing under the window. The samples of the hits were checked when their responses were averaged.
 pub(crate) fn early_responses(
     hits: &[&Hit],
     motion: Motion,
@@ -81,24 +82,25 @@ pub(crate) fn early_responses(
     after: f64,
 ) -> Result<FrequencyResponses, Error> {
     let (dt, samples) = times(hits)?;
-    let end = |h: &&Hit| {
+    let pulse = |h: &&Hit| {
         let pulse = Pulse::of(&h.force.samples[..samples], dt, windows.whole_force);
-        pulse.start + pulse.force.len()
+        (pulse.start, pulse.start + pulse.force.len())
     };
-    let last = hits.iter().map(end).max().unwrap_or(0) + (after / dt) as usize;
-    averaged(hits, (dt, quick_length_from(last, samples)), motion, estimator, windows)
+    let (first, last) = hits.iter().map(pulse).fold((samples, 0), |all, p| (all.0.min(p.0), all.1.max(p.1)));
+    let length = quick_length_from(last + (after / dt) as usize - first, samples - first);
+    averaged(hits, dt, first..first + length, (motion, estimator, windows))
 }
 
-/// The responses of hits that were checked, from their first `samples` samples, taken every `dt` seconds.
+/// The responses of hits that were checked, from the samples in a range, which are taken every `dt` seconds.
 fn averaged(
     hits: &[&Hit],
-    (dt, samples): (f64, usize),
-    motion: Motion,
-    estimator: Estimator,
-    windows: Windows,
+    dt: f64,
+    range: Range<usize>,
+    (motion, estimator, windows): (Motion, Estimator, Windows),
 ) -> Result<FrequencyResponses, Error> {
+    let samples = range.len();
     let pulses: Vec<Pulse> =
-        hits.iter().map(|h| Pulse::of(&h.force.samples[..samples], dt, windows.whole_force)).collect();
+        hits.iter().map(|h| Pulse::of(&h.force.samples[range.clone()], dt, windows.whole_force)).collect();
     let transform = Transform::new(samples, dt);
     let spectra: Vec<Vec<Complex>> = pulses.iter().map(|p| transform.one(&p.record(windows.decay))).collect();
     let pairs = pairs(hits)?;
@@ -111,7 +113,7 @@ fn averaged(
             .flat_map(|(p, pair)| pair.places.iter().map(move |(h, c)| (p, *h, *c)))
             .collect();
         let record = |(_, hit, channel): &(usize, usize, usize)| {
-            Record::centred(&hits[*hit].responses[*channel].samples[..samples])
+            Record::centred(&hits[*hit].responses[*channel].samples[range.clone()])
         };
         let mut averages: Vec<Average> = some.iter().map(|_| Average::new(transform.lines())).collect();
         transform.each(places.iter().map(record), window.as_deref(), room, |n, spectrum| {
