@@ -8,10 +8,9 @@
 //! Method: Deaner, Allen, Starr, Segalman, *Investigation of Modal Iwan Models for Structures with Bolted Joints*
 //! ("the paper" in this documentation; equation numbers are the paper's).
 
-// What all other modules use: errors, Fourier transforms, quantiles, the six parameters, smooth curves through noise, searches.
+// What all other modules use: errors, quantiles, the six parameters, smooth curves through noise, searches.
 mod error;
 mod turn;
-mod fourier;
 mod student;
 mod parameters;
 mod smooth;

@@ -1,9 +1,9 @@
 //! Analytic signal by Fourier transform, and the cut to whole cycles that keeps its errors at the ends small.
 
+use rustfft::FftPlanner;
 use rustfft::num_complex::Complex64;
 
 use crate::error::{Error, check_samples};
-use crate::fourier::{forward, inverse};
 
 /// A(t) e^{iθ(t)} at every sample: its modulus is the amplitude, its argument the phase.
 pub type Analytic = Vec<Complex64>;
@@ -25,8 +25,9 @@ pub type Analytic = Vec<Complex64>;
 pub fn analytic_signal(x: &[f64]) -> Result<Analytic, Error> {
     check_samples("record", x, 1, "give a record")?;
     let n = x.len();
+    let mut planner = FftPlanner::new();
     let mut z: Vec<Complex64> = x.iter().map(|&v| Complex64::new(v, 0.0)).collect();
-    forward(n).process(&mut z);
+    planner.plan_fft_forward(n).process(&mut z);
     let half = 1.0 / n as f64;
     for (k, z) in z.iter_mut().enumerate() {
         // Factor 1 for frequency 0 and, with an even number of samples, for the Nyquist frequency; 2 for positive frequencies, 0 for negative ones.
@@ -37,7 +38,7 @@ pub fn analytic_signal(x: &[f64]) -> Result<Analytic, Error> {
             std::cmp::Ordering::Greater => 0.0,
         };
     }
-    inverse(n).process(&mut z);
+    planner.plan_fft_inverse(n).process(&mut z);
     Ok(z)
 }
 

@@ -2,10 +2,10 @@
 
 use std::f64::consts::PI;
 
+use rustfft::FftPlanner;
 use rustfft::num_complex::Complex64;
 
 use crate::error::{Error, check, check_dt, check_samples};
-use crate::fourier::forward;
 
 /// The automatic band reaches from 0.75 to 1.3 times the peak's frequency: wide enough that the filter's memory is two cycles, narrow
 /// enough that harmonics from 2 on stay outside. A judgement; `--band` overrules it.
@@ -97,7 +97,7 @@ impl Spectrum {
                 Complex64::new(hann * (x[i] - mean - slope * (i as f64 - middle)), 0.0)
             })
             .collect();
-        forward(n).process(&mut z);
+        FftPlanner::new().plan_fft_forward(n).process(&mut z);
         Self { step: 1.0 / (n as f64 * dt), lines: z[..=n / 2].iter().map(|z| z.norm()).collect() }
     }
 
@@ -377,7 +377,7 @@ pub(super) fn strongest_line(z: &[Complex64], dt: f64) -> Strongest {
     let n = z.len();
     let hann = |i: usize| (PI * (i as f64 + 0.5) / n as f64).sin().powi(2);
     let mut lines: Vec<Complex64> = z.iter().enumerate().map(|(i, z)| z * hann(i)).collect();
-    forward(n).process(&mut lines);
+    FftPlanner::new().plan_fft_forward(n).process(&mut lines);
     let power: Vec<f64> = lines.iter().map(Complex64::norm_sqr).collect();
     let total: f64 = power.iter().sum();
     let k = (0..n).max_by(|&i, &j| power[i].total_cmp(&power[j])).unwrap_or(0);

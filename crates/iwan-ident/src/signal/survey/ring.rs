@@ -2,10 +2,10 @@
 
 use std::f64::consts::PI;
 
+use rustfft::FftPlanner;
 use rustfft::num_complex::Complex64;
 
 use crate::error::{Error, check_dt, check_samples};
-use crate::fourier::forward;
 use crate::signal::spectrum::{is_peak, vertex};
 
 /// Least number of samples of a record, and of the stretch behind its loudest one; with a shorter stretch the whole record is taken.
@@ -41,7 +41,7 @@ impl RingSpectrum {
         let from = if stretch < LEAST || (stretch as f64) < PART * n as f64 { 0 } else { from };
         let stretch = n - from;
         let padded = (DENSER * stretch).next_power_of_two();
-        let fft = forward(padded);
+        let fft = FftPlanner::new().plan_fft_forward(padded);
         let (mut power, mut noise) = (vec![0.0; padded / 2 + 1], vec![0.0; padded / 2 + 1]);
         for channel in channels {
             let mut z = windowed(&channel[from..], window);

@@ -2,10 +2,10 @@
 
 use std::f64::consts::PI;
 
+use rustfft::FftPlanner;
 use rustfft::num_complex::Complex64;
 
 use crate::error::{Error, check, check_dt, check_samples};
-use crate::fourier::forward;
 
 /// Number of windows that lie one behind the other in a record; it sets their length. Longer windows blur the decay, shorter ones the
 /// frequencies; for a ring-down of some hundred cycles a thirtieth of the record shows both.
@@ -70,7 +70,7 @@ pub fn spectrogram(
     let cells = most.1;
     let edges: Vec<f64> = (0..=cells).map(|c| low + (high - low) * c as f64 / cells as f64).collect();
     let times = most.0.min(x.len() - length + 1);
-    let fft = forward(padded);
+    let fft = FftPlanner::new().plan_fft_forward(padded);
     let starts: Vec<usize> =
         (0..times).map(|i| i * (x.len() - length) / times.saturating_sub(1).max(1)).collect();
     let mut decibels: Vec<Vec<f64>> = Vec::with_capacity(times);

@@ -1,8 +1,7 @@
 //! Spectra under a window whose side lobes lie below the rounding of 24-bit samples: what falls beside a line in them was not made by the window.
 
+use rustfft::FftPlanner;
 use rustfft::num_complex::Complex64;
-
-use crate::fourier::forward;
 
 /// Parameter of the window of Kaiser (J. F. Kaiser, *Nonrecursive digital filter design using the I0-sinh window function*, Proc. IEEE Int. Symp. Circuits and Systems, 1974).
 /// Its side lobes begin 116 dB below the line and sink further.
@@ -30,7 +29,7 @@ impl Tapered {
         let window: Vec<f64> = (0..n).map(|i| kaiser(place(i) / middle)).collect();
         let line = |i: usize| Complex64::new(window[i] * (x[i] - mean - slope * place(i)), 0.0);
         let mut z: Vec<Complex64> = (0..n).map(line).collect();
-        forward(n).process(&mut z);
+        FftPlanner::new().plan_fft_forward(n).process(&mut z);
         let whole = window.iter().map(|w| w * w).sum::<f64>();
         Self {
             step: 1.0 / (n as f64 * dt),
