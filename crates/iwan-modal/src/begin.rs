@@ -30,10 +30,10 @@ const ENOUGH: usize = 128;
 impl ModalFit {
     /// The fit with shapes scaled by the start of the decays. `hits` are those of the fit's responses, which were averaged by `estimator` and without an exponential window. A
     /// shape is rescaled only where the scale from the start differs by more than 0.3 % and four standard deviations; such modes have a `stretch`. Frequencies and damping stay
-    /// those of the whole decay. Without a drive point, and where the start cannot tell the modes apart, nothing changes.
+    /// those of the whole decay. Without a drive point, and where the start cannot tell the modes apart, nothing changes; nor does it where too little of a record follows the blow.
     ///
     /// # Errors
-    /// As [`frequency_responses`](crate::responses::frequency_responses); [`Error::OutOfRange`] where the responses of `hits` do not reach over the band of the fit.
+    /// As [`frequency_responses`](crate::responses::frequency_responses) for times and channels.
     pub fn scaled_at_begin<H: Borrow<Hit>>(
         mut self,
         hits: &[H],
@@ -47,8 +47,10 @@ impl ModalFit {
         let part = if (self.band.1 - self.band.0) * length < ENOUGH as f64 { 1.0 } else { KEPT };
         let windows = Windows { whole_force, decay: EARLY / length };
         let early = &early_responses(&hits, motion, estimator, windows, part * length)?;
-        let band = Band::new(early, self.band)?;
-        let Ok(fitted) = Fitted::near(&band, &self.fitted.poles) else { return Ok(self) };
+        // The highest line of a record of another length may lie a line lower.
+        let edges = (self.band.0, self.band.1.min(early.frequency(early.lines().saturating_sub(1))));
+        let fitted = Band::new(early, edges).and_then(|band| Fitted::near(&band, &self.fitted.poles));
+        let Ok(fitted) = fitted else { return Ok(self) };
         let found = modes(early, &fitted, &|_| true).modes;
         for mode in &mut self.modes {
             let distance = |other: &&crate::modes::Mode| (other.pole - mode.pole).norm();

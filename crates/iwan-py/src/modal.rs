@@ -237,9 +237,9 @@ fn hits(forces: &Bound<'_, PyAny>, channels: Vec<Vec<Channel>>, request: &Reques
     let at = request.force_at.clone().unwrap_or_else(|| "force".into());
     let freedom = Freedom::parse(&at)
         .ok_or_else(|| value(format!("force_at = \"{at}\" is no POINT or POINT:DIRECTION")))?;
-    let own = channels.first().map_or(&[][..], |c| c);
-    if request.force_at.is_some() && !own.iter().any(|c| c.freedom.is_at(&freedom)) {
-        let names = listed(own.iter().map(|c| &c.name));
+    let sensors = channels.first().map_or(&[][..], |c| c);
+    if request.force_at.is_some() && !sensors.iter().any(|c| c.freedom.is_at(&freedom)) {
+        let names = listed(sensors.iter().map(|c| &c.name));
         return Err(value(format!(
             "force_at = \"{at}\" is no channel: the names are {names}; leave it out where nothing was measured there"
         )));

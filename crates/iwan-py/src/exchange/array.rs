@@ -137,7 +137,7 @@ fn is_aligned(array: &Bound<'_, PyArrayDyn<f64>>) -> bool {
     array.data().is_aligned() && array.strides().iter().all(|stride| stride.unsigned_abs() % SIZE == 0)
 }
 
-/// Number of values that are asked together whether all are finite, which is a few times faster than one after the other.
+/// Number of values that are asked together, without a branch for each, whether all are finite.
 const TOGETHER: usize = 256;
 
 fn are_finite(values: &[f64]) -> bool {
